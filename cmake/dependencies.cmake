@@ -1,0 +1,16 @@
+# Every library comes from Debian (deploy/install-deps).
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(Protobuf REQUIRED)     # module mode, and before gRPC: Debian's gRPC asks for it
+find_package(gRPC CONFIG REQUIRED)
+find_program(GRPC_CPP_PLUGIN grpc_cpp_plugin REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(glm REQUIRED)
+find_package(VulkanMemoryAllocator CONFIG QUIET)
+pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
+find_program(GLSLANG glslangValidator REQUIRED)
+if(HELIOGRAPH_TESTS)
+  find_package(GTest REQUIRED)
+endif()

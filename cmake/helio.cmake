@@ -1,0 +1,31 @@
+# helio_library(scene DEPENDS helio_base ...): the static library helio_scene of server/scene/*.cpp.
+function(helio_library name)
+  cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_library(helio_${name} STATIC ${sources})
+  target_include_directories(helio_${name} PUBLIC ${CMAKE_SOURCE_DIR}/server)
+  target_link_libraries(helio_${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE})
+  helio_warnings(helio_${name})
+endfunction()
+
+# helio_test(scene DEPENDS helio_scene ... [GPU]): the GoogleTest program of the present folder's *.cpp.
+# GPU tests run one at a time: they share the device and two cores.
+function(helio_test name)
+  cmake_parse_arguments(arg "GPU" "" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  add_executable(test_${name} ${sources})
+  target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main)
+  helio_warnings(test_${name})
+  add_test(NAME ${name} COMMAND test_${name} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES TIMEOUT 900)
+  if(arg_GPU)
+    set_tests_properties(${name} PROPERTIES RESOURCE_LOCK gpu LABELS gpu)
+  endif()
+endfunction()
+
+function(helio_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic)
+  if(HELIOGRAPH_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()

@@ -1,0 +1,130 @@
+// What renders worlds: the only face of `render/` that services, benchmarks and tools see.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "scene/scene.h"
+#include "world/world.h"
+
+namespace helio::render {
+
+enum class Mode {
+  hybrid,     ///< primary hits by `primary`, one sample a pixel a tick
+  reference,  ///< traced primary rays with pixel jitter, everything in the TLAS, accumulated, no approximation
+};
+enum class Primary { raster, traced };
+
+/// A viewer's settings. A change of size, mode, primary or bounces restarts accumulation.
+struct ViewSettings {
+  uint32_t width = 640;             ///< pixels, [16, 8192]
+  uint32_t height = 360;            ///< pixels, [16, 8192]
+  Mode mode = Mode::hybrid;
+  Primary primary = Primary::raster;
+  uint32_t bounces = 3;             ///< B, [0, 32]: all paths of 0 to B + 1 scatterings
+  uint32_t samples = 1;             ///< paths a pixel a tick, [1, 64]
+  bool roulette = true;             ///< Russian roulette (unbiased)
+  bool accumulate = true;           ///< average over ticks while camera and world stand still
+  bool auto_exposure = true;
+  float exposure_ev = 0.0f;         ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
+  bool keep_radiance = false;       ///< also hand out linear radiance (shot, fidelity, tests)
+  bool measure_bare_trace = false;  ///< also trace the same rays with empty shading (benchmarks; costs memory and time)
+};
+
+struct DeviceInfo {
+  std::string name;
+  std::string driver;
+  bool cpu = false;  ///< a software device such as lavapipe
+};
+
+struct PassTime { std::string name; double ms = 0.0; };
+struct EffectCost {
+  std::string name;
+  uint64_t instances = 0;     ///< live instances that call for it
+  uint64_t memory_bytes = 0;  ///< GPU memory that exists only for it
+  double pass_ms = 0.0;       ///< time of the passes that only it calls for
+};
+struct Rays { uint64_t primary = 0, bounce = 0, shadow = 0, retrace = 0; uint64_t total() const { return primary + bounce + shadow + retrace; } };
+
+/// GPU memory by the thesis's categories (§4.3), bytes.
+struct MemoryUse {
+  uint64_t raster = 0;       ///< needed by rasterisation too: meshes, textures, materials, common targets
+  uint64_t ray_tracing = 0;  ///< inherent to ray tracing: acceleration structures, scratch, instance buffers
+  uint64_t path_tracing = 0; ///< path tracing only: accumulation, denoiser
+};
+
+struct FrameStats {
+  uint64_t tick = 0;
+  uint64_t applied_seq = 0;
+  double time = 0.0;                   ///< world time, seconds
+  double gpu_ms = 0.0;                 ///< sum of the passes
+  double bare_trace_ms = 0.0;          ///< with measure_bare_trace
+  std::vector<PassTime> passes;        ///< in order; the world's own (assemble, tlas, ...) first
+  std::vector<EffectCost> effects;     ///< present ones only
+  Rays rays;
+  uint64_t nonfinite = 0;              ///< samples dropped because they were not finite
+  uint32_t accumulated = 1;            ///< samples a pixel behind this picture
+  uint32_t tlas_instances = 0;
+  uint64_t triangles_drawn = 0;        ///< rasterised
+  double exposure = 1.0;               ///< factor on radiance
+  MemoryUse memory;
+};
+
+/// 8-bit sRGB pixels, 4 bytes each (the 4th is 255), rows top-down, no padding.
+struct Pixels {
+  const uint8_t* rgbx = nullptr;
+  uint32_t width = 0;
+  uint32_t height = 0;
+};
+
+struct Frame {
+  std::shared_ptr<const Pixels> pixels;  ///< returns to its pool when the last holder lets go; may outlive the view
+  std::vector<float> radiance;           ///< with keep_radiance: width * height * 3, rows top-down, W/(sr m^2)
+  FrameStats stats;
+};
+
+using WorldHandle = uint64_t;
+using ViewHandle = uint64_t;
+
+struct ViewRequest {
+  ViewHandle view = 0;
+  scene::Camera camera;
+  ViewSettings settings;
+};
+
+/// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from one
+/// thread at a time.
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+  virtual DeviceInfo device() const = 0;
+
+  /// Uploads a scene. Errors: out of memory (limit).
+  virtual Result<WorldHandle> addWorld(scene::ScenePtr scene) = 0;
+  virtual void removeWorld(WorldHandle world) = 0;
+  virtual Result<ViewHandle> addView(WorldHandle world) = 0;
+  virtual void removeView(ViewHandle view) = 0;
+
+  /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the GPU.
+  /// Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).
+  virtual Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes, std::span<const ViewRequest> views) = 0;
+};
+
+/// Checks a camera and settings before anything is queued: finite, not degenerate, in range. Names the field and the limit.
+Result<void> check(const scene::Camera& camera);
+Result<void> check(const ViewSettings& settings);
+
+struct RendererOptions {
+  std::string device;       ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
+  bool validation = false;  ///< Khronos validation layer; a message of severity error ends the process through the handler
+  bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
+};
+
+/// Errors: no Vulkan, no such device, no ray tracing pipelines: each says what to do.
+Result<std::unique_ptr<Renderer>> makeRenderer(const RendererOptions& options);
+
+}  // namespace helio::render

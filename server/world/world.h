@@ -1,0 +1,116 @@
+// A scene that users change: instances, edits, sequence numbers, a clock. Knows no Vulkan and no gRPC.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+
+#include "base/result.h"
+#include "scene/scene.h"
+
+namespace helio::world {
+
+/// Stable for an instance's life, never used again. Base placements have ids 1..N in order; built ones follow.
+using InstanceId = uint64_t;
+
+/// Where users put things: position in metres, a unit quaternion, uniform scale in (0, 1000].
+struct Pose {
+  glm::vec3 position{0.0f};
+  glm::quat rotation{1.0f, 0.0f, 0.0f, 0.0f};
+  float scale = 1.0f;
+
+  glm::mat4x3 matrix() const;
+};
+
+// ---- Edits, as users send them -------------------------------------------------------------------------------------
+struct Build { std::string prefab; std::vector<Pose> poses; };
+struct Destroy { std::vector<InstanceId> ids; };
+/// Destroys what users may build, whose bounds' centre lies in the vertical cylinder.
+struct DestroyRegion { glm::vec2 centre_xz{0.0f}; float radius = 0.0f; };
+struct Move { InstanceId id = 0; Pose pose; };
+struct SetSun { scene::Sun sun; bool daylight = true; /* also set the sky that goes with the sun's elevation */ };
+using Edit = std::variant<Build, Destroy, DestroyRegion, Move, SetSun>;
+
+// ---- Resolved edits: what the log holds. Applying them needs no decision any more ------------------------------------
+struct ResolvedBuild { uint32_t prefab = 0; InstanceId first_id = 0; std::vector<Pose> poses; };
+struct ResolvedDestroy { std::vector<InstanceId> ids; };
+struct ResolvedMove { InstanceId id = 0; Pose pose; };
+struct ResolvedEnvironment { scene::Environment environment; };
+using ResolvedEdit = std::variant<ResolvedBuild, ResolvedDestroy, ResolvedMove, ResolvedEnvironment>;
+
+struct Batch { std::vector<ResolvedEdit> edits; };
+
+/// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown version or kind (invalid).
+std::string encode(const Batch& batch);
+Result<Batch> decode(std::span<const std::byte> bytes);
+
+struct Limits {
+  uint64_t max_instances = 1'000'000;
+  uint32_t max_edits_per_batch = 10'000;
+  uint32_t max_poses_per_batch = 100'000;
+  float max_coordinate = 100'000.0f;  ///< metres from the origin
+};
+
+/// A dense table entry. `prefab == scene::kNone`: the slot is free.
+struct Instance {
+  InstanceId id = 0;
+  uint32_t prefab = scene::kNone;
+  glm::mat4x3 transform{1.0f};
+};
+
+/// What changed between two ticks, as copies: readers need no lock. Slots appear once, in the order first touched.
+struct ChangeSet {
+  struct Slot { uint32_t slot; Instance instance; };
+  uint64_t tick = 0;
+  uint64_t applied_seq = 0;   ///< every edit up to here is in this change set or in an earlier one
+  double time = 0.0;          ///< world time in seconds
+  std::vector<Slot> slots;    ///< the first change set of a world holds all of its instances
+  scene::Environment environment;
+  bool environment_changed = true;
+  uint32_t slot_count = 0;    ///< size of the table (slots are 0..slot_count-1)
+};
+
+struct Found { InstanceId id; uint32_t prefab; glm::mat4x3 transform; };
+
+/// Thread-safe. Writers call resolve() and then apply() under one logging lock of their own (service/): what was resolved
+/// must be applied next. The tick thread calls beginTick().
+class World {
+ public:
+  World(scene::ScenePtr scene, Limits limits = {});
+
+  const scene::Scene& scene() const { return *scene_; }
+  const scene::ScenePtr& scenePtr() const { return scene_; }
+
+  /// Checks a batch against the present state and assigns ids; changes nothing. All or none: the first bad edit's error
+  /// names its index ("edits[3].destroy.ids[0]"). An id destroyed earlier in the same batch is unknown to later edits; an
+  /// instance built earlier in the same batch can be reached by region, not by id (its id is not known to the sender yet).
+  Result<Batch> resolve(std::span<const Edit> edits) const;
+
+  /// Applies a resolved batch under its sequence number (the last one plus 1). Seen by the renderer from the next tick on.
+  Result<void> apply(uint64_t seq, const Batch& batch);
+
+  /// Advances the clock by `seconds` and hands out what changed since the last call.
+  ChangeSet beginTick(double seconds);
+
+  uint64_t seq() const;              ///< of the newest applied batch; 0 = none
+  uint64_t instanceCount() const;
+  std::vector<uint32_t> prefabCounts() const;  ///< live instances by prefab
+  /// Instances whose bounds' centre lies in the cylinder, ascending by id, from `after` on, at most `limit`.
+  std::vector<Found> query(glm::vec2 centre_xz, float radius, InstanceId after, size_t limit) const;
+
+ private:
+  struct Cell;  // hitbox grid, 16 m, for region queries
+  scene::ScenePtr scene_;
+  Limits limits_;
+  mutable std::mutex mutex_;
+  // The implementer lays out the rest.
+};
+
+}  // namespace helio::world
