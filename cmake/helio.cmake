@@ -24,6 +24,7 @@ function(helio_test name)
   set_tests_properties(${name} PROPERTIES TIMEOUT 900)
   if(arg_GPU)
     set_tests_properties(${name} PROPERTIES RESOURCE_LOCK gpu LABELS gpu)
+    set_property(GLOBAL APPEND PROPERTY HELIOGRAPH_GPU_TESTS test_${name})   # they go into the bundle
   endif()
 endfunction()
 
