@@ -9,13 +9,14 @@ endforeach()
 get_property(gpu_tests GLOBAL PROPERTY HELIOGRAPH_GPU_TESTS)
 list(APPEND programs ${gpu_tests})
 
+find_library(VULKAN_LOADER libvulkan.so.1 REQUIRED)
 set(files)
 foreach(program IN LISTS programs)
   list(APPEND files $<TARGET_FILE:${program}>)
 endforeach()
 add_custom_target(bundle
   COMMAND ${CMAKE_COMMAND} "-DPROGRAMS=${files}" -DSOURCE=${CMAKE_SOURCE_DIR} -DBUNDLE=${CMAKE_BINARY_DIR}/bundle
-    -DSTRIP=${CMAKE_STRIP} -P ${CMAKE_SOURCE_DIR}/cmake/make_bundle.cmake
+    -DVULKAN_LOADER=${VULKAN_LOADER} -DSTRIP=${CMAKE_STRIP} -P ${CMAKE_SOURCE_DIR}/cmake/make_bundle.cmake
   DEPENDS ${programs}
   COMMENT "Bundle ${CMAKE_BINARY_DIR}/bundle"
   VERBATIM)

@@ -15,9 +15,7 @@ file(GET_RUNTIME_DEPENDENCIES
 if(missing)
   message(FATAL_ERROR "bundle: these shared libraries are not on this machine: ${missing}")
 endif()
-# The Vulkan loader is opened at run time.
-find_library(vulkan_loader libvulkan.so.1 REQUIRED)
-list(APPEND libraries ${vulkan_loader})
+list(APPEND libraries ${VULKAN_LOADER})   # opened at run time
 foreach(library IN LISTS libraries)
   get_filename_component(name ${library} NAME)
   get_filename_component(file ${library} REALPATH)
