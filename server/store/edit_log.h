@@ -15,9 +15,10 @@
 namespace helio::store {
 
 enum class Append {
-  ok,       ///< durable (as durable as this backend is) under the sequence number asked for
-  fenced,   ///< another server acquired the world: this epoch may not write any more
-  unknown,  ///< the answer was lost: repeat with the same request id to learn it
+  ok,            ///< durable (as durable as this backend is) under the sequence number asked for
+  fenced,        ///< another server acquired the world, or it was removed: this epoch may not write any more
+  unknown,       ///< the answer was lost: repeat with the same request id to learn it
+  out_of_order,  ///< the sequence number is not the last one plus 1: nothing was written
 };
 
 struct Record {
@@ -31,23 +32,33 @@ struct Snapshot {
   std::string bytes;
 };
 
-/// One log, many worlds. Thread-safe.
+/// One log, many worlds. Thread-safe. Worlds come into being by acquire(). Every backend passes the suite in
+/// tests/store/edit_log_conformance.h.
 class EditLog {
  public:
   virtual ~EditLog() = default;
 
-  /// Takes the world over: returns a new epoch, greater than every earlier one. Earlier epochs are fenced.
+  /// Takes the world over, new or not: returns a new epoch, greater than every earlier one of a world of this name,
+  /// even of one that was removed. Earlier epochs are fenced.
   virtual Result<uint64_t> acquire(const std::string& world) = 0;
-  /// Appends under `seq`, which must be the last one plus 1. The same request id again answers `ok` and changes nothing.
+  /// Appends under `seq`, which must be the last one plus 1 (a new world's first is 1). The same request id again
+  /// answers `ok` and changes nothing, whatever its seq and bytes are; an empty request id is never the same. What is
+  /// wrong is looked for in this order: fenced, a repeat, out_of_order.
   virtual Append append(const std::string& world, uint64_t epoch, const Record& record) = 0;
   /// Sequence number that `request_id` was appended under, if it was.
   virtual std::optional<uint64_t> find(const std::string& world, const std::string& request_id) const = 0;
-  /// Records with seq > after, ascending, at most `limit`.
+  /// Records with seq > after, ascending, at most `limit`. Errors: no such world (not_found).
   virtual Result<std::vector<Record>> read(const std::string& world, uint64_t after, size_t limit) const = 0;
-  /// Calls back for every record appended from now on, in order, until the returned handle is destroyed.
+  /// Calls back for every record appended from now on, in order and one at a time, until the returned handle is
+  /// destroyed: once its destructor has returned no call runs or comes. The world need not exist yet. Calls come from
+  /// any thread, maybe after append() has returned; they may use the log and drop their own handle, and must not throw.
   virtual std::shared_ptr<void> watch(const std::string& world, std::function<void(const Record&)> on_record) = 0;
+  /// Replaces the world's snapshot. Errors: a fenced epoch (conflict), a seq that is greater than the last record's or
+  /// less than the present snapshot's (invalid).
   virtual Result<void> putSnapshot(const std::string& world, uint64_t epoch, const Snapshot& snapshot) = 0;
+  /// The newest snapshot, or nothing when there is none yet. Errors: no such world (not_found).
   virtual Result<std::optional<Snapshot>> snapshot(const std::string& world) const = 0;
+  /// Forgets records, request ids and snapshot; every epoch is fenced. Errors: no such world (not_found).
   virtual Result<void> remove(const std::string& world) = 0;
 };
 

@@ -1,7 +1,9 @@
 // A scene that users change: instances, edits, sequence numbers, a clock. Knows no Vulkan and no gRPC.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
 #include <string>
@@ -29,25 +31,53 @@ struct Pose {
   glm::mat4x3 matrix() const;
 };
 
-// ---- Edits, as users send them -------------------------------------------------------------------------------------
-struct Build { std::string prefab; std::vector<Pose> poses; };
-struct Destroy { std::vector<InstanceId> ids; };
+// Edits, as users send them.
+struct Build {
+  std::string prefab;
+  std::vector<Pose> poses;
+};
+struct Destroy {
+  std::vector<InstanceId> ids;
+};
 /// Destroys what users may build, whose bounds' centre lies in the vertical cylinder.
-struct DestroyRegion { glm::vec2 centre_xz{0.0f}; float radius = 0.0f; };
-struct Move { InstanceId id = 0; Pose pose; };
-struct SetSun { scene::Sun sun; bool daylight = true; /* also set the sky that goes with the sun's elevation */ };
+struct DestroyRegion {
+  glm::vec2 centre_xz{0.0f};
+  float radius = 0.0f;
+};
+struct Move {
+  InstanceId id = 0;
+  Pose pose;
+};
+struct SetSun {
+  scene::Sun sun;
+  bool daylight = true;  ///< also set the sky that goes with the sun's elevation
+};
 using Edit = std::variant<Build, Destroy, DestroyRegion, Move, SetSun>;
 
-// ---- Resolved edits: what the log holds. Applying them needs no decision any more ------------------------------------
-struct ResolvedBuild { uint32_t prefab = 0; InstanceId first_id = 0; std::vector<Pose> poses; };
-struct ResolvedDestroy { std::vector<InstanceId> ids; };
-struct ResolvedMove { InstanceId id = 0; Pose pose; };
-struct ResolvedEnvironment { scene::Environment environment; };
+// Resolved edits: what the log holds. Applying them needs no decision any more.
+struct ResolvedBuild {
+  uint32_t prefab = 0;
+  InstanceId first_id = 0;
+  std::vector<Pose> poses;
+};
+struct ResolvedDestroy {
+  std::vector<InstanceId> ids;
+};
+struct ResolvedMove {
+  InstanceId id = 0;
+  Pose pose;
+};
+struct ResolvedEnvironment {
+  scene::Environment environment;
+};
 using ResolvedEdit = std::variant<ResolvedBuild, ResolvedDestroy, ResolvedMove, ResolvedEnvironment>;
 
-struct Batch { std::vector<ResolvedEdit> edits; };
+struct Batch {
+  std::vector<ResolvedEdit> edits;
+};
 
-/// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown version or kind (invalid).
+/// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown version or kind
+/// (invalid).
 std::string encode(const Batch& batch);
 Result<Batch> decode(std::span<const std::byte> bytes);
 
@@ -55,7 +85,8 @@ struct Limits {
   uint64_t max_instances = 1'000'000;
   uint32_t max_edits_per_batch = 10'000;
   uint32_t max_poses_per_batch = 100'000;
-  float max_coordinate = 100'000.0f;  ///< metres from the origin
+  uint32_t max_regions_per_batch = 64;  ///< each may have to look at every instance
+  float max_coordinate = 100'000.0f;    ///< metres from the origin
 };
 
 /// A dense table entry. `prefab == scene::kNone`: the slot is free.
@@ -67,50 +98,82 @@ struct Instance {
 
 /// What changed between two ticks, as copies: readers need no lock. Slots appear once, in the order first touched.
 struct ChangeSet {
-  struct Slot { uint32_t slot; Instance instance; };
+  struct Slot {
+    uint32_t slot;
+    Instance instance;
+  };
   uint64_t tick = 0;
-  uint64_t applied_seq = 0;   ///< every edit up to here is in this change set or in an earlier one
-  double time = 0.0;          ///< world time in seconds
-  std::vector<Slot> slots;    ///< the first change set of a world holds all of its instances
+  uint64_t applied_seq = 0;  ///< every edit up to here is in this change set or in an earlier one
+  double time = 0.0;         ///< world time in seconds
+  std::vector<Slot> slots;   ///< the first change set of a world holds all of its instances
   scene::Environment environment;
   bool environment_changed = true;
-  uint32_t slot_count = 0;    ///< size of the table (slots are 0..slot_count-1)
+  uint32_t slot_count = 0;  ///< size of the table (slots are 0..slot_count-1)
 };
 
-struct Found { InstanceId id; uint32_t prefab; glm::mat4x3 transform; };
+struct Found {
+  InstanceId id;
+  uint32_t prefab;
+  glm::mat4x3 transform;
+};
 
-/// Thread-safe. Writers call resolve() and then apply() under one logging lock of their own (service/): what was resolved
-/// must be applied next. The tick thread calls beginTick().
+class InstanceTable;
+
+/// Thread-safe: one mutex guards everything, and no call gives out references into what it guards. Writers call
+/// resolve() and then apply() under one logging lock of their own (service/): what was resolved must be applied next.
+/// The tick thread calls beginTick(), which holds the mutex for as long as it takes to copy what changed.
 class World {
  public:
-  World(scene::ScenePtr scene, Limits limits = {});
+  explicit World(scene::ScenePtr scene, Limits limits = {});
+  ~World();
 
   const scene::Scene& scene() const { return *scene_; }
   const scene::ScenePtr& scenePtr() const { return scene_; }
 
   /// Checks a batch against the present state and assigns ids; changes nothing. All or none: the first bad edit's error
-  /// names its index ("edits[3].destroy.ids[0]"). An id destroyed earlier in the same batch is unknown to later edits; an
-  /// instance built earlier in the same batch can be reached by region, not by id (its id is not known to the sender yet).
+  /// names its index ("edits[3].destroy.ids[0]"). An id destroyed earlier in the same batch is unknown to later edits;
+  /// an instance built earlier in the same batch can be reached by region, not by id (its id is not known to the sender
+  /// yet). What users may not build (the terrain) they may neither move nor destroy: by id it is an error, by region it
+  /// stays. Rotations and the sun's direction are normalised. Errors: invalid (a number, an empty list, what may not be
+  /// built), not_found (a prefab, an id), limit (with the limit's value).
   Result<Batch> resolve(std::span<const Edit> edits) const;
 
-  /// Applies a resolved batch under its sequence number (the last one plus 1). Seen by the renderer from the next tick on.
+  /// Applies a resolved batch under its sequence number (the last one plus 1), whole or not at all. Seen by the
+  /// renderer from the next tick on. Limits are resolve()'s business: a log written under larger ones still replays.
+  /// Errors: conflict (another sequence number, or ids that do not fit this state), invalid (numbers that resolve()
+  /// never writes).
   Result<void> apply(uint64_t seq, const Batch& batch);
 
-  /// Advances the clock by `seconds` and hands out what changed since the last call.
+  /// Advances the clock by `seconds` (less than 0 or not finite counts as 0) and hands out what changed since the last
+  /// call. Costs what changed, not what exists; the first call hands out everything.
   ChangeSet beginTick(double seconds);
 
-  uint64_t seq() const;              ///< of the newest applied batch; 0 = none
+  uint64_t seq() const;  ///< of the newest applied batch; 0 = none
   uint64_t instanceCount() const;
   std::vector<uint32_t> prefabCounts() const;  ///< live instances by prefab
-  /// Instances whose bounds' centre lies in the cylinder, ascending by id, from `after` on, at most `limit`.
+  /// Instances whose bounds' centre lies in the cylinder, ascending by id, with ids greater than `after`, at most
+  /// `limit`. Nothing lies in a cylinder that is not finite or has a negative radius.
   std::vector<Found> query(glm::vec2 centre_xz, float radius, InstanceId after, size_t limit) const;
 
  private:
-  struct Cell;  // hitbox grid, 16 m, for region queries
-  scene::ScenePtr scene_;
-  Limits limits_;
-  mutable std::mutex mutex_;
-  // The implementer lays out the rest.
+  Result<void> checkApplicable(const Batch& batch) const;
+  void commit(const ResolvedBuild& build);
+  void commit(const ResolvedDestroy& destroy);
+  void commit(const ResolvedMove& move);
+  void commit(const ResolvedEnvironment& change);
+
+  const scene::ScenePtr scene_;
+  const Limits limits_;
+  std::unordered_map<std::string, uint32_t> prefab_by_name_;  // constant after construction
+
+  mutable std::mutex mutex_;  // guards all below
+  std::unique_ptr<InstanceTable> table_;
+  scene::Environment environment_;
+  bool environment_changed_ = true;
+  InstanceId next_id_ = 1;
+  uint64_t seq_ = 0;
+  uint64_t tick_ = 0;
+  double time_ = 0.0;
 };
 
 }  // namespace helio::world
