@@ -1,0 +1,116 @@
+#include "accel/instance_table.h"
+
+#include <algorithm>
+
+namespace helio::accel {
+namespace {
+
+/// Spreads the lower 32 bits of x to the even bits.
+uint64_t spread(uint64_t x) {
+  x &= 0xffffffffull;
+  x = (x | x << 16) & 0x0000ffff0000ffffull;
+  x = (x | x << 8) & 0x00ff00ff00ff00ffull;
+  x = (x | x << 4) & 0x0f0f0f0f0f0f0f0full;
+  x = (x | x << 2) & 0x3333333333333333ull;
+  x = (x | x << 1) & 0x5555555555555555ull;
+  return x;
+}
+
+/// Grows to a power of two, so that edits seldom reallocate.
+uint64_t capacityFor(uint64_t count) {
+  uint64_t capacity = 1024;
+  while (capacity < count) capacity *= 2;
+  return capacity;
+}
+
+}  // namespace
+
+InstanceTable::InstanceTable(gpu::Device& device, const scene::Scene& scene, std::vector<float> emitter_power,
+                             float (*weigh)(float, const glm::mat4x3&))
+    : device_(device), scene_(scene), emitter_power_(std::move(emitter_power)), weigh_(weigh) {}
+
+uint64_t InstanceTable::mortonKey(const glm::vec3& centre) const {
+  // 1/16 m steps from -2^27 m on: finer than any two instances need, wider than any world.
+  const auto step = [](float v) { return static_cast<uint64_t>((static_cast<double>(v) + 134217728.0) * 16.0); };
+  return spread(step(centre.x)) | spread(step(centre.z)) << 1;
+}
+
+void InstanceTable::apply(const world::ChangeSet& changes, const std::function<void(uint32_t, int64_t)>& on_change) {
+  if (changes.slot_count > placed_.size()) {
+    placed_.resize(changes.slot_count);
+    records_.resize(changes.slot_count, {{}, shared::kNoMesh, 0.0f});
+    keys_.resize(changes.slot_count);
+  }
+  for (const auto& [slot, instance] : changes.slots) {
+    PlacedInstance& placed = placed_[slot];
+    shared::InstanceRecord& record = records_[slot];
+    if (placed.prefab != instance.prefab) {
+      if (placed.prefab != scene::kNone) on_change(placed.prefab, -1);
+      if (instance.prefab != scene::kNone) on_change(instance.prefab, +1);
+    }
+    dirty_slots_.push_back(slot);
+    if (instance.prefab == scene::kNone) {
+      placed = {};
+      record.mesh = shared::kNoMesh;
+      record.emitter_weight = 0.0f;
+      continue;
+    }
+    placed.prefab = instance.prefab;
+    placed.mesh = scene_.prefabs[instance.prefab].mesh;
+    const scene::Aabb bounds = scene::transform(scene_.meshes[placed.mesh].bounds, instance.transform);
+    placed.centre = bounds.centre();
+    placed.radius = 0.5f * glm::length(bounds.extent());
+    for (int row = 0; row < 3; ++row)
+      record.rows[row] = {instance.transform[0][row], instance.transform[1][row], instance.transform[2][row], instance.transform[3][row]};
+    record.mesh = placed.mesh;
+    record.emitter_weight = emitter_power_[placed.mesh] > 0.0f ? weigh_(emitter_power_[placed.mesh], instance.transform) : 0.0f;
+    keys_[slot] = mortonKey(placed.centre);
+  }
+  if (!changes.slots.empty()) rebuildOrder(changes);
+}
+
+void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
+  // Take out what was removed or placed anew, then merge the sorted newcomers: linear in the instances, once an edit.
+  std::vector<bool> changed(placed_.size());
+  std::vector<uint32_t> newcomers;
+  for (const auto& [slot, instance] : changes.slots) {
+    changed[slot] = true;
+    if (instance.prefab != scene::kNone) newcomers.push_back(slot);
+  }
+  const auto before = [this](uint32_t a, uint32_t b) { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; };
+  std::erase_if(order_, [&](uint32_t slot) { return changed[slot]; });
+  std::sort(newcomers.begin(), newcomers.end(), before);
+  const auto middle = static_cast<ptrdiff_t>(order_.size());
+  order_.insert(order_.end(), newcomers.begin(), newcomers.end());
+  std::inplace_merge(order_.begin(), order_.begin() + middle, order_.end(), before);
+}
+
+void InstanceTable::upload(gpu::Commands& commands) {
+  if (!dirty()) return;
+  std::sort(dirty_slots_.begin(), dirty_slots_.end());
+  const uint64_t record_bytes = capacityFor(records_.size()) * sizeof(shared::InstanceRecord);
+  if (record_buffer_.size() < record_bytes) {
+    if (record_buffer_) commands.retire(std::move(record_buffer_));
+    record_buffer_ = gpu::Buffer(device_, {"the instance table", record_bytes, gpu::MemoryCategory::raster});
+    commands.upload<shared::InstanceRecord>(record_buffer_, 0, records_);
+  } else {
+    // Neighbouring slots travel together.
+    for (size_t i = 0; i < dirty_slots_.size();) {
+      size_t end = i + 1;
+      while (end < dirty_slots_.size() && dirty_slots_[end] <= dirty_slots_[end - 1] + 1) ++end;
+      const uint32_t first = dirty_slots_[i];
+      const uint32_t count = dirty_slots_[end - 1] - first + 1;
+      commands.upload<shared::InstanceRecord>(record_buffer_, first, std::span(records_).subspan(first, count));
+      i = end;
+    }
+  }
+  const uint64_t order_bytes = capacityFor(order_.size()) * sizeof(uint32_t);
+  if (order_buffer_.size() < order_bytes) {
+    if (order_buffer_) commands.retire(std::move(order_buffer_));
+    order_buffer_ = gpu::Buffer(device_, {"the Morton order", order_bytes, gpu::MemoryCategory::ray_tracing});
+  }
+  commands.upload<uint32_t>(order_buffer_, 0, order_);
+  dirty_slots_.clear();
+}
+
+}  // namespace helio::accel

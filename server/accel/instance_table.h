@@ -1,0 +1,61 @@
+// The instances of a world: their records on the GPU, and the order in which they enter the TLAS.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "gpu/commands.h"
+#include "gpu/memory.h"
+#include "scene/scene.h"
+#include "shared/scene.h"
+#include "world/world.h"
+
+namespace helio::accel {
+
+/// What the CPU knows of an instance between ticks.
+struct PlacedInstance {
+  uint32_t prefab = scene::kNone;
+  uint32_t mesh = scene::kNone;
+  glm::vec3 centre{0.0f};  ///< of its bounding sphere, world space
+  float radius = 0.0f;
+};
+
+/// Mirror of a world's slots. The Morton order is over the ground plane, the hitboxes' order: lavapipe does not sort
+/// its TLAS, and neighbours in memory are neighbours in space for every later pass.
+class InstanceTable {
+ public:
+  /// `emitter_power`: by mesh, for InstanceRecord::emitter_weight (0: nothing shines); `weigh` scales it by a transform.
+  InstanceTable(gpu::Device& device, const scene::Scene& scene, std::vector<float> emitter_power,
+                float (*weigh)(float power, const glm::mat4x3& transform));
+
+  /// Takes over what changed: CPU side only. `on_change(prefab, +1 or -1)` is called for each instance placed or removed.
+  void apply(const world::ChangeSet& changes, const std::function<void(uint32_t prefab, int64_t count)>& on_change);
+  /// Something changed since the last upload().
+  bool dirty() const { return !dirty_slots_.empty(); }
+  /// Records the copies of changed records and of the order (transfer writes); grows the buffers if need be.
+  void upload(gpu::Commands& commands);
+
+  const std::vector<PlacedInstance>& instances() const { return placed_; }  ///< by slot
+  const std::vector<shared::InstanceRecord>& records() const { return records_; }
+  const std::vector<uint32_t>& order() const { return order_; }
+  const gpu::Buffer& recordBuffer() const { return record_buffer_; }
+  const gpu::Buffer& orderBuffer() const { return order_buffer_; }
+
+ private:
+  uint64_t mortonKey(const glm::vec3& centre) const;
+  void rebuildOrder(const world::ChangeSet& changes);
+
+  gpu::Device& device_;
+  const scene::Scene& scene_;
+  std::vector<float> emitter_power_;
+  float (*weigh_)(float, const glm::mat4x3&);
+  std::vector<PlacedInstance> placed_;
+  std::vector<shared::InstanceRecord> records_;
+  std::vector<uint64_t> keys_;    // by slot
+  std::vector<uint32_t> order_;   // slots by (key, slot)
+  std::vector<uint32_t> dirty_slots_;
+  gpu::Buffer record_buffer_;
+  gpu::Buffer order_buffer_;
+};
+
+}  // namespace helio::accel

@@ -1,0 +1,121 @@
+#include "gpu/acceleration_structure.h"
+
+namespace helio::gpu {
+namespace {
+
+uint64_t alignUp(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
+
+VkAccelerationStructureBuildSizesInfoKHR sizes(Device& device, const VkAccelerationStructureBuildGeometryInfoKHR& build, const uint32_t* counts) {
+  VkAccelerationStructureBuildSizesInfoKHR result{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
+  vkGetAccelerationStructureBuildSizesKHR(device.handle(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &build, counts, &result);
+  return result;
+}
+
+VkAccelerationStructureGeometryKHR triangles(const BlasGeometry& input) {
+  VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
+  geometry.geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR;
+  geometry.flags = VK_GEOMETRY_OPAQUE_BIT_KHR;
+  auto& data = geometry.geometry.triangles;
+  data = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR};
+  data.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;
+  data.vertexData.deviceAddress = input.positions;
+  data.vertexStride = 12;
+  data.maxVertex = input.vertex_count - 1;
+  data.indexType = VK_INDEX_TYPE_UINT32;
+  data.indexData.deviceAddress = input.indices;
+  return geometry;
+}
+
+}  // namespace
+
+AccelerationStructure::AccelerationStructure(Device& device, const std::string& name, VkAccelerationStructureTypeKHR type, uint64_t size)
+    : device_(&device),
+      buffer_(device, {name, size, MemoryCategory::ray_tracing, Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR}) {
+  VkAccelerationStructureCreateInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
+  info.buffer = buffer_.handle();
+  info.size = size;
+  info.type = type;
+  check(vkCreateAccelerationStructureKHR(device.handle(), &info, nullptr, &handle_), "the acceleration structure " + name);
+  VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
+  address.accelerationStructure = handle_;
+  address_ = vkGetAccelerationStructureDeviceAddressKHR(device.handle(), &address);
+}
+
+AccelerationStructure::~AccelerationStructure() {
+  if (handle_) vkDestroyAccelerationStructureKHR(device_->handle(), handle_, nullptr);
+}
+
+void AccelerationStructure::swap(AccelerationStructure& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(buffer_, other.buffer_);
+  std::swap(handle_, other.handle_);
+  std::swap(address_, other.address_);
+}
+
+std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs) {
+  Device& device = commands.device();
+  std::vector<AccelerationStructure> structures;
+  std::vector<std::vector<VkAccelerationStructureGeometryKHR>> geometries(inputs.size());
+  std::vector<std::vector<VkAccelerationStructureBuildRangeInfoKHR>> ranges(inputs.size());
+  std::vector<VkAccelerationStructureBuildGeometryInfoKHR> builds(inputs.size());
+  std::vector<uint64_t> scratch_offsets(inputs.size());
+  uint64_t scratch_size = 0;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    std::vector<uint32_t> counts;
+    for (const BlasGeometry& input : inputs[i].geometries) {
+      geometries[i].push_back(triangles(input));
+      ranges[i].push_back({input.triangle_count, 0, 0, 0});
+      counts.push_back(input.triangle_count);
+    }
+    auto& build = builds[i];
+    build = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+    build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
+    build.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+    build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    build.geometryCount = static_cast<uint32_t>(geometries[i].size());
+    build.pGeometries = geometries[i].data();
+    const auto size = sizes(device, build, counts.data());
+    structures.emplace_back(device, "the BLAS of " + inputs[i].name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, size.accelerationStructureSize);
+    build.dstAccelerationStructure = structures.back().handle();
+    scratch_offsets[i] = scratch_size;
+    scratch_size = alignUp(scratch_size + size.buildScratchSize, device.scratchAlignment());
+  }
+  if (inputs.empty()) return structures;
+
+  Buffer scratch(device, {"the scratch memory of " + std::to_string(inputs.size()) + " BLAS builds", scratch_size, MemoryCategory::ray_tracing});
+  std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> range_pointers;
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    builds[i].scratchData.deviceAddress = scratch.address() + scratch_offsets[i];
+    range_pointers.push_back(ranges[i].data());
+  }
+  vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(), range_pointers.data());
+  commands.retire(std::move(scratch));
+  return structures;
+}
+
+void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) {
+  Device& device = commands.device();
+  VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
+  geometry.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
+  geometry.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
+  geometry.geometry.instances.data.deviceAddress = instances;
+  VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+  build.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
+  build.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR;
+  build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+  build.geometryCount = 1;
+  build.pGeometries = &geometry;
+  if (!structure_ || count > capacity_) {
+    capacity_ = count;
+    const auto size = sizes(device, build, &count);
+    structure_ = AccelerationStructure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, size.accelerationStructureSize);
+    scratch_ = Buffer(device, {"the scratch memory of the TLAS", size.buildScratchSize, MemoryCategory::ray_tracing});
+  }
+  build.dstAccelerationStructure = structure_.handle();
+  build.scratchData.deviceAddress = scratch_.address();
+  const VkAccelerationStructureBuildRangeInfoKHR range{count, 0, 0, 0};
+  const VkAccelerationStructureBuildRangeInfoKHR* ranges = &range;
+  vkCmdBuildAccelerationStructuresKHR(commands.handle(), 1, &build, &ranges);
+}
+
+}  // namespace helio::gpu

@@ -1,0 +1,393 @@
+#include "gpu/device.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <cstring>
+
+namespace helio::gpu {
+namespace {
+
+constexpr std::array kDeviceExtensions{
+    VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME,
+    VK_KHR_RAY_TRACING_PIPELINE_EXTENSION_NAME,
+    VK_KHR_DEFERRED_HOST_OPERATIONS_EXTENSION_NAME,
+};
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+constexpr const char* kHowToGetRayTracing =
+    "for software rendering install Mesa 24.1 or newer (Debian 12: mesa-vulkan-drivers from bookworm-backports), for an "
+    "NVIDIA GPU driver 525 or newer; deploy/build installs lavapipe";
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+VkPhysicalDeviceProperties properties(VkPhysicalDevice device) {
+  VkPhysicalDeviceProperties result;
+  vkGetPhysicalDeviceProperties(device, &result);
+  return result;
+}
+
+bool hasRayTracing(VkPhysicalDevice device) {
+  if (properties(device).apiVersion < VK_API_VERSION_1_3) return false;
+  uint32_t count = 0;
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, nullptr);
+  std::vector<VkExtensionProperties> extensions(count);
+  vkEnumerateDeviceExtensionProperties(device, nullptr, &count, extensions.data());
+  return std::all_of(kDeviceExtensions.begin(), kDeviceExtensions.end(), [&](const char* wanted) {
+    return std::any_of(extensions.begin(), extensions.end(),
+                       [&](const VkExtensionProperties& e) { return std::strcmp(e.extensionName, wanted) == 0; });
+  });
+}
+
+/// Higher is better: discrete, integrated, virtual, software.
+int rank(VkPhysicalDevice device) {
+  switch (properties(device).deviceType) {
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 1;
+    default: return 0;
+  }
+}
+
+bool matches(VkPhysicalDevice device, const std::string& select) {
+  const bool cpu = rank(device) == 1;
+  if (select == "cpu") return cpu;
+  if (select == "gpu") return !cpu;
+  return lower(properties(device).deviceName).find(select) != std::string::npos;
+}
+
+}  // namespace
+
+// ---- Bindless ----------------------------------------------------------------------------------------------------------
+
+void Bindless::create(VkDevice device, float max_anisotropy) {
+  VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+  sampler.magFilter = sampler.minFilter = VK_FILTER_LINEAR;
+  sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
+  sampler.maxLod = VK_LOD_CLAMP_NONE;
+  sampler.anisotropyEnable = max_anisotropy > 1.0f;
+  sampler.maxAnisotropy = max_anisotropy;
+  check(vkCreateSampler(device, &sampler, nullptr, &sampler_), "the texture sampler");
+
+  const std::array<VkDescriptorSetLayoutBinding, 2> bindings{{
+      {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures, VK_SHADER_STAGE_ALL, nullptr},
+      {1, VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kStorageImages, VK_SHADER_STAGE_ALL, nullptr},
+  }};
+  constexpr VkDescriptorBindingFlags kFlags = VK_DESCRIPTOR_BINDING_UPDATE_AFTER_BIND_BIT |
+                                              VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT |
+                                              VK_DESCRIPTOR_BINDING_UPDATE_UNUSED_WHILE_PENDING_BIT;
+  const std::array<VkDescriptorBindingFlags, 2> flags{kFlags, kFlags};
+  VkDescriptorSetLayoutBindingFlagsCreateInfo binding_flags{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO};
+  binding_flags.bindingCount = static_cast<uint32_t>(flags.size());
+  binding_flags.pBindingFlags = flags.data();
+  VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
+  layout.pNext = &binding_flags;
+  layout.flags = VK_DESCRIPTOR_SET_LAYOUT_CREATE_UPDATE_AFTER_BIND_POOL_BIT;
+  layout.bindingCount = static_cast<uint32_t>(bindings.size());
+  layout.pBindings = bindings.data();
+  check(vkCreateDescriptorSetLayout(device, &layout, nullptr, &layout_), "the bindless set's layout");
+
+  const std::array<VkDescriptorPoolSize, 2> sizes{{{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures},
+                                                   {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kStorageImages}}};
+  VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
+  pool.flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT;
+  pool.maxSets = 1;
+  pool.poolSizeCount = static_cast<uint32_t>(sizes.size());
+  pool.pPoolSizes = sizes.data();
+  check(vkCreateDescriptorPool(device, &pool, nullptr, &pool_), "the bindless set's pool");
+  VkDescriptorSetAllocateInfo allocate{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO};
+  allocate.descriptorPool = pool_;
+  allocate.descriptorSetCount = 1;
+  allocate.pSetLayouts = &layout_;
+  check(vkAllocateDescriptorSets(device, &allocate, &set_), "the bindless set");
+}
+
+void Bindless::destroy(VkDevice device) {
+  vkDestroyDescriptorPool(device, pool_, nullptr);
+  vkDestroyDescriptorSetLayout(device, layout_, nullptr);
+  vkDestroySampler(device, sampler_, nullptr);
+}
+
+uint32_t Bindless::add(VkDevice device, VkImageView view, bool storage) {
+  const std::lock_guard lock(mutex_);
+  Slots& slots = slots_[storage];
+  uint32_t slot = slots.next;
+  if (!slots.free.empty()) {
+    slot = slots.free.back();
+    slots.free.pop_back();
+  } else if (slots.next == slots.capacity) {
+    throw Failure({ErrorKind::limit,
+                   std::string("all ") + std::to_string(slots.capacity) + (storage ? " storage images" : " textures") +
+                       " of the bindless set are in use: delete a world or a viewer",
+                   {}, {}, std::to_string(slots.capacity)});
+  } else {
+    ++slots.next;
+  }
+  VkDescriptorImageInfo image{sampler_, view, VK_IMAGE_LAYOUT_GENERAL};
+  VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
+  write.dstSet = set_;
+  write.dstBinding = storage ? 1 : 0;
+  write.dstArrayElement = slot;
+  write.descriptorCount = 1;
+  write.descriptorType = storage ? VK_DESCRIPTOR_TYPE_STORAGE_IMAGE : VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER;
+  write.pImageInfo = &image;
+  vkUpdateDescriptorSets(device, 1, &write, 0, nullptr);
+  return slot;
+}
+
+void Bindless::remove(uint32_t slot, bool storage) {
+  const std::lock_guard lock(mutex_);
+  slots_[storage].free.push_back(slot);
+}
+
+// ---- Device ------------------------------------------------------------------------------------------------------------
+
+Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
+  std::unique_ptr<Device> device(new Device);
+  device->options_ = options;
+  if (device->options_.select.empty())
+    if (const char* variable = std::getenv("HELIOGRAPH_DEVICE")) device->options_.select = variable;
+  device->options_.select = lower(device->options_.select);
+  if (auto instance = device->createInstance(); !instance) return instance.error();
+  if (auto chosen = device->choosePhysicalDevice(); !chosen) return chosen.error();
+  try {
+    device->createDevice();
+  } catch (const Failure& failure) {
+    return failure.error();
+  }
+  spdlog::info("Vulkan device: {} ({}){}", device->name_, device->driver_, device->cpu_ ? ", in software" : "");
+  return device;
+}
+
+Result<void> Device::createInstance() {
+  static const VkResult loader = volkInitialize();
+  if (loader != VK_SUCCESS)
+    return Error{ErrorKind::unsupported, "no Vulkan loader (libvulkan.so.1) on this machine: install libvulkan1", {}, {}, {}};
+
+  std::vector<const char*> layers;
+  std::vector<const char*> extensions;
+  VkValidationFeaturesEXT features{VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT};
+  const VkValidationFeatureEnableEXT synchronisation = VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+  features.enabledValidationFeatureCount = 1;
+  features.pEnabledValidationFeatures = &synchronisation;
+  VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
+  messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+  messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
+  messenger.pfnUserCallback = &Device::onMessage;
+  messenger.pUserData = this;
+
+  VkApplicationInfo application{VK_STRUCTURE_TYPE_APPLICATION_INFO};
+  application.pApplicationName = "heliograph";
+  application.apiVersion = VK_API_VERSION_1_3;
+  VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
+  info.pApplicationInfo = &application;
+  if (options_.validation) {
+    layers.push_back(kValidationLayer);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    info.pNext = &features;
+  }
+  info.enabledLayerCount = static_cast<uint32_t>(layers.size());
+  info.ppEnabledLayerNames = layers.data();
+  info.enabledExtensionCount = static_cast<uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
+  const VkResult created = vkCreateInstance(&info, nullptr, &instance_);
+  if (created == VK_ERROR_LAYER_NOT_PRESENT)
+    return Error{ErrorKind::unsupported,
+                 std::string("validation was asked for, but the layer ") + kValidationLayer +
+                     " is not installed: install vulkan-validationlayers",
+                 {}, {}, {}};
+  if (created != VK_SUCCESS)
+    return Error{ErrorKind::unsupported, std::string("no Vulkan driver could be loaded (") + gpu::name(created) + "): " + kHowToGetRayTracing, {}, {}, {}};
+  volkLoadInstance(instance_);
+  if (options_.validation) check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "the validation messenger");
+  return {};
+}
+
+Result<void> Device::choosePhysicalDevice() {
+  uint32_t count = 0;
+  vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+  std::vector<VkPhysicalDevice> devices(count);
+  vkEnumeratePhysicalDevices(instance_, &count, devices.data());
+  std::string listed;
+  for (VkPhysicalDevice d : devices) listed += (listed.empty() ? "" : ", ") + std::string("'") + properties(d).deviceName + "'";
+  if (devices.empty()) return Error{ErrorKind::unsupported, std::string("no Vulkan device on this machine: ") + kHowToGetRayTracing, {}, {}, {}};
+
+  const std::string& select = options_.select;
+  std::vector<VkPhysicalDevice> wanted;
+  for (VkPhysicalDevice d : devices)
+    if (select.empty() || matches(d, select)) wanted.push_back(d);
+  if (wanted.empty())
+    return Error{ErrorKind::not_found, "no Vulkan device matches '" + select + "'; there are: " + listed, "device", select, {}};
+
+  std::stable_sort(wanted.begin(), wanted.end(), [](auto a, auto b) { return rank(a) > rank(b); });
+  const auto able = std::find_if(wanted.begin(), wanted.end(), hasRayTracing);
+  if (able == wanted.end())
+    return Error{ErrorKind::unsupported,
+                 std::string("'") + properties(wanted.front()).deviceName +
+                     "' has no Vulkan 1.3 with ray tracing pipelines (VK_KHR_ray_tracing_pipeline): " + kHowToGetRayTracing,
+                 "device", select, {}};
+  if (able != wanted.begin())
+    spdlog::warn("'{}' has no ray tracing pipelines, using '{}'", properties(wanted.front()).deviceName, properties(*able).deviceName);
+  physical_ = *able;
+  return {};
+}
+
+void Device::createDevice() {
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR acceleration{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  ray_tracing_ = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
+  ray_tracing_.pNext = &acceleration;
+  VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
+  driver.pNext = &ray_tracing_;
+  VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
+  all.pNext = &driver;
+  vkGetPhysicalDeviceProperties2(physical_, &all);
+  name_ = all.properties.deviceName;
+  driver_ = std::string(driver.driverName) + " " + driver.driverInfo;
+  cpu_ = all.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+  timestamp_period_ = all.properties.limits.timestampPeriod;
+  scratch_alignment_ = acceleration.minAccelerationStructureScratchOffsetAlignment;
+  ray_tracing_.pNext = nullptr;
+
+  uint32_t family_count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &family_count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(family_count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &family_count, families.data());
+  constexpr VkQueueFlags kEverything = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
+  while (queue_family_ < family_count && (families[queue_family_].queueFlags & kEverything) != kEverything) ++queue_family_;
+  if (queue_family_ == family_count)
+    throw Failure({ErrorKind::unsupported, "'" + name_ + "' has no queue for graphics and compute", "device", name_, {}});
+
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  ray_tracing.rayTracingPipeline = VK_TRUE;
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  structures.pNext = &ray_tracing;
+  structures.accelerationStructure = VK_TRUE;
+  VkPhysicalDeviceVulkan13Features vulkan13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+  vulkan13.pNext = &structures;
+  vulkan13.synchronization2 = VK_TRUE;
+  vulkan13.dynamicRendering = VK_TRUE;
+  vulkan13.maintenance4 = VK_TRUE;
+  VkPhysicalDeviceVulkan12Features vulkan12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
+  vulkan12.pNext = &vulkan13;
+  vulkan12.bufferDeviceAddress = VK_TRUE;
+  vulkan12.timelineSemaphore = VK_TRUE;
+  vulkan12.hostQueryReset = VK_TRUE;
+  vulkan12.scalarBlockLayout = VK_TRUE;
+  vulkan12.descriptorIndexing = VK_TRUE;
+  vulkan12.runtimeDescriptorArray = VK_TRUE;
+  vulkan12.descriptorBindingPartiallyBound = VK_TRUE;
+  vulkan12.descriptorBindingUpdateUnusedWhilePending = VK_TRUE;
+  vulkan12.descriptorBindingSampledImageUpdateAfterBind = VK_TRUE;
+  vulkan12.descriptorBindingStorageImageUpdateAfterBind = VK_TRUE;
+  vulkan12.shaderSampledImageArrayNonUniformIndexing = VK_TRUE;
+  VkPhysicalDeviceVulkan11Features vulkan11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
+  vulkan11.pNext = &vulkan12;
+  vulkan11.shaderDrawParameters = VK_TRUE;
+  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
+  features.pNext = &vulkan11;
+  features.features.shaderInt64 = VK_TRUE;
+  features.features.geometryShader = VK_TRUE;  // gl_PrimitiveID in fragment shaders
+  features.features.samplerAnisotropy = VK_TRUE;
+  features.features.shaderStorageImageExtendedFormats = VK_TRUE;  // rg32ui
+
+  const float priority = 1.0f;
+  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+  queue.queueFamilyIndex = queue_family_;
+  queue.queueCount = 1;
+  queue.pQueuePriorities = &priority;
+  VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
+  info.pNext = &features;
+  info.queueCreateInfoCount = 1;
+  info.pQueueCreateInfos = &queue;
+  info.enabledExtensionCount = static_cast<uint32_t>(kDeviceExtensions.size());
+  info.ppEnabledExtensionNames = kDeviceExtensions.data();
+  check(vkCreateDevice(physical_, &info, nullptr, &device_), "the device '" + name_ + "' (" + driver_ + ")");
+  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+
+  VmaVulkanFunctions functions{};
+  functions.vkGetInstanceProcAddr = vkGetInstanceProcAddr;
+  functions.vkGetDeviceProcAddr = vkGetDeviceProcAddr;
+  VmaAllocatorCreateInfo allocator{};
+  allocator.flags = VMA_ALLOCATOR_CREATE_BUFFER_DEVICE_ADDRESS_BIT;
+  allocator.instance = instance_;
+  allocator.physicalDevice = physical_;
+  allocator.device = device_;
+  allocator.pVulkanFunctions = &functions;
+  allocator.vulkanApiVersion = VK_API_VERSION_1_3;
+  check(vmaCreateAllocator(&allocator, &allocator_), "the memory allocator");
+
+  VkSemaphoreTypeCreateInfo type{VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO};
+  type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
+  semaphore.pNext = &type;
+  check(vkCreateSemaphore(device_, &semaphore, nullptr, &timeline_), "the queue's timeline");
+
+  // Software texture filtering pays for every tap of an anisotropic read.
+  bindless_.create(device_, cpu_ ? 1.0f : std::min(8.0f, all.properties.limits.maxSamplerAnisotropy));
+  const VkDescriptorSetLayout set_layout = bindless_.layout();
+  const VkPushConstantRange range{VK_SHADER_STAGE_ALL, 0, kPushConstantBytes};
+  VkPipelineLayoutCreateInfo layout{VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO};
+  layout.setLayoutCount = 1;
+  layout.pSetLayouts = &set_layout;
+  layout.pushConstantRangeCount = 1;
+  layout.pPushConstantRanges = &range;
+  check(vkCreatePipelineLayout(device_, &layout, nullptr, &pipeline_layout_), "the pipeline layout");
+}
+
+Device::~Device() {
+  if (device_) {
+    vkDeviceWaitIdle(device_);
+    if (pipeline_layout_) vkDestroyPipelineLayout(device_, pipeline_layout_, nullptr);
+    bindless_.destroy(device_);
+    if (timeline_) vkDestroySemaphore(device_, timeline_, nullptr);
+    if (allocator_) vmaDestroyAllocator(allocator_);
+    vkDestroyDevice(device_, nullptr);
+  }
+  if (messenger_) vkDestroyDebugUtilsMessengerEXT(instance_, messenger_, nullptr);
+  if (instance_) vkDestroyInstance(instance_, nullptr);
+}
+
+uint64_t Device::submit(VkCommandBuffer commands) {
+  const std::lock_guard lock(queue_mutex_);
+  VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
+  buffer.commandBuffer = commands;
+  VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  signal.semaphore = timeline_;
+  signal.value = timeline_value_ + 1;
+  signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  submit.commandBufferInfoCount = 1;
+  submit.pCommandBufferInfos = &buffer;
+  submit.signalSemaphoreInfoCount = 1;
+  submit.pSignalSemaphoreInfos = &signal;
+  check(vkQueueSubmit2(queue_, 1, &submit, VK_NULL_HANDLE), "submitting a frame");
+  return ++timeline_value_;
+}
+
+void Device::wait(uint64_t value) {
+  VkSemaphoreWaitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
+  wait.semaphoreCount = 1;
+  wait.pSemaphores = &timeline_;
+  wait.pValues = &value;
+  check(vkWaitSemaphores(device_, &wait, UINT64_MAX), "waiting for a frame");
+}
+
+VkBool32 Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDebugUtilsMessageTypeFlagsEXT,
+                           const VkDebugUtilsMessengerCallbackDataEXT* data, void* self) {
+  auto* device = static_cast<Device*>(self);
+  if (severity < VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT) {
+    spdlog::debug("validation: {}", data->pMessage);
+    return VK_FALSE;
+  }
+  ++device->validation_errors_;
+  spdlog::error("validation: {}", data->pMessage);
+  if (device->options_.on_validation_error) device->options_.on_validation_error(data->pMessage);
+  return VK_FALSE;
+}
+
+}  // namespace helio::gpu

@@ -1,0 +1,29 @@
+// All passes of a view, one object each, shared by all worlds.
+#pragma once
+
+#include "render/passes/accumulate.h"
+#include "render/passes/bare_trace.h"
+#include "render/passes/exposure.h"
+#include "render/passes/path_trace.h"
+#include "render/passes/primary_raster.h"
+#include "render/passes/primary_traced.h"
+#include "render/passes/statistics.h"
+#include "render/passes/tonemap.h"
+
+namespace helio::render {
+
+struct Passes {
+  explicit Passes(gpu::Device& device)
+      : primary_raster(device), primary_traced(device), path_trace(device), accumulate(device), statistics(device),
+        exposure(device), tonemap(device), bare_trace(device) {}
+  PrimaryRaster primary_raster;
+  PrimaryTraced primary_traced;
+  PathTrace path_trace;
+  Accumulate accumulate;
+  Statistics statistics;
+  Exposure exposure;
+  Tonemap tonemap;
+  BareTrace bare_trace;
+};
+
+}  // namespace helio::render

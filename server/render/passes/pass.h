@@ -1,0 +1,24 @@
+// What every pass of a view is given.
+#pragma once
+
+#include "effects/registry.h"
+#include "render/graph.h"
+#include "render/view.h"
+
+namespace helio::render {
+
+/// One view in one tick. `owner` names it in the graph; `tlas` stands for the acceleration structure there.
+struct ViewPass {
+  Graph& graph;
+  View& view;
+  int owner;
+  Resource tlas;
+  Resource instances;
+};
+
+/// Groups of `size` x `size` pixels that cover the view.
+inline void dispatchOver(gpu::Commands& commands, const View& view, uint32_t size) {
+  commands.dispatch((view.settings().width + size - 1) / size, (view.settings().height + size - 1) / size);
+}
+
+}  // namespace helio::render

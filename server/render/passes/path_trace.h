@@ -1,0 +1,37 @@
+// Pass `path_trace`: one path a pixel from the primary hits on, specialised for the effects that the scene calls for.
+#pragma once
+
+#include <map>
+#include <mutex>
+
+#include "gpu/pipelines.h"
+#include "render/passes/pass.h"
+
+namespace helio::render {
+
+/// The ray tracing pipeline of a ray generation shader that uses shaders/lib/trace.glsl.
+gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::Specialisation& constants);
+
+class PathTrace {
+ public:
+  explicit PathTrace(gpu::Device& device) : device_(device) {}
+
+  /// Compiles the variant for `effects` unless it is there. Thread-safe; takes up to a second for a new one, so worlds
+  /// prepare what their prefabs could call for when they are loaded.
+  void prepare(effects::EffectSet effects, bool log_rays = false) { (void)variant(effects, log_rays); }
+  void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
+  /// Pass `log_rays`: traces the same paths again and only writes down their rays (for `bare_trace`).
+  void addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
+
+  /// Most rays that one path may trace, and the end mark.
+  static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
+
+ private:
+  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, bool log_rays);
+
+  gpu::Device& device_;
+  std::mutex mutex_;
+  std::map<std::pair<uint32_t, bool>, gpu::RayTracingPipeline> variants_;
+};
+
+}  // namespace helio::render

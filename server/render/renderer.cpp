@@ -1,0 +1,111 @@
+#include "render/renderer.h"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <map>
+#include <shared_mutex>
+
+#include "render/passes.h"
+#include "render/world_renderer.h"
+
+namespace helio::render {
+namespace {
+
+/// Runs `work`; what gpu/ throws becomes an Error, except a lost device: that ends the process (crash-only).
+template <typename Work>
+auto guarded(Work&& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const gpu::DeviceLost&) {
+    throw;
+  } catch (const gpu::Failure& failure) {
+    return failure.error();
+  }
+}
+
+class VulkanRenderer final : public Renderer {
+ public:
+  VulkanRenderer(std::shared_ptr<gpu::Device> device, bool strict) : device_(std::move(device)), passes_(*device_), strict_(strict) {}
+
+  DeviceInfo device() const override { return {device_->name(), device_->driver(), device_->cpu()}; }
+
+  Result<WorldHandle> addWorld(scene::ScenePtr scene) override {
+    return guarded([&]() -> Result<WorldHandle> {
+      auto world = std::make_shared<WorldRenderer>(device_, passes_, std::move(scene));
+      const WorldHandle handle = ++next_handle_;
+      const std::unique_lock lock(mutex_);
+      worlds_.emplace(handle, std::move(world));
+      return handle;
+    });
+  }
+
+  void removeWorld(WorldHandle world) override {
+    const std::unique_lock lock(mutex_);
+    worlds_.erase(world);
+    std::erase_if(views_, [&](const auto& view) { return view.second == world; });
+  }
+
+  Result<ViewHandle> addView(WorldHandle world) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    const ViewHandle handle = ++next_handle_;
+    renderer->addView(handle);
+    const std::unique_lock lock(mutex_);
+    views_.emplace(handle, world);
+    return handle;
+  }
+
+  void removeView(ViewHandle view) override {
+    std::shared_ptr<WorldRenderer> renderer;
+    {
+      const std::unique_lock lock(mutex_);
+      const auto found = views_.find(view);
+      if (found == views_.end()) return;
+      renderer = worlds_.at(found->second);
+      views_.erase(found);
+    }
+    renderer->removeView(view);
+  }
+
+  Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes, std::span<const ViewRequest> views) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    const uint64_t errors_before = device_->validationErrors();
+    Result<std::vector<Frame>> frames = guarded([&] { return renderer->tick(changes, views); });
+    if (strict_ && device_->validationErrors() != errors_before)
+      return Error{ErrorKind::internal, "the validation layer reported an error in this tick: see the log", {}, {}, {}};
+    return frames;
+  }
+
+ private:
+  std::shared_ptr<WorldRenderer> find(WorldHandle world) {
+    const std::shared_lock lock(mutex_);
+    const auto found = worlds_.find(world);
+    return found == worlds_.end() ? nullptr : found->second;
+  }
+  static Error unknown(WorldHandle world) { return {ErrorKind::not_found, "no world " + std::to_string(world), "world", std::to_string(world), {}}; }
+
+  std::shared_ptr<gpu::Device> device_;
+  Passes passes_;
+  bool strict_;
+  std::shared_mutex mutex_;
+  std::atomic<uint64_t> next_handle_{0};
+  std::map<WorldHandle, std::shared_ptr<WorldRenderer>> worlds_;
+  std::map<ViewHandle, WorldHandle> views_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Renderer>> makeRenderer(const RendererOptions& options) {
+  gpu::DeviceOptions device_options;
+  device_options.select = options.device;
+  device_options.validation = options.validation || options.strict_validation;
+  auto device = gpu::Device::create(device_options);
+  if (!device) return device.error();
+  return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
+    return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(*device), options.strict_validation));
+  });
+}
+
+}  // namespace helio::render

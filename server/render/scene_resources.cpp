@@ -1,0 +1,147 @@
+#include "render/scene_resources.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include <glm/gtc/packing.hpp>
+
+#include "shared/scene.h"
+
+namespace helio::render {
+namespace {
+
+constexpr uint32_t kMaxSubmeshes = 256;         // a geometry index has 8 bits in the visibility image
+constexpr uint32_t kMaxInFlightTexels = 64u << 20;
+
+/// Octahedral snorm16 pair [Cigolle et al. 2014].
+uint32_t octahedral(const glm::vec3& n) {
+  glm::vec3 v = n / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  if (v.z < 0.0f)
+    v = glm::vec3((1.0f - std::abs(v.y)) * (v.x >= 0.0f ? 1.0f : -1.0f), (1.0f - std::abs(v.x)) * (v.y >= 0.0f ? 1.0f : -1.0f), v.z);
+  return glm::packSnorm2x16(glm::vec2(v.x, v.y));
+}
+
+shared::VertexAttributes attributesOf(const scene::Mesh& mesh, size_t i) {
+  const uint32_t handedness = mesh.tangents[i].w >= 0.0f ? 1u : 0u;
+  return {octahedral(mesh.normals[i]), (octahedral(glm::vec3(mesh.tangents[i])) & ~1u) | handedness, mesh.uvs[i]};
+}
+
+shared::MaterialRecord recordOf(const scene::Material& m, const std::vector<uint32_t>& slots) {
+  const auto slot = [&](uint32_t texture) { return texture == scene::kNone ? shared::kNoTexture : slots[texture]; };
+  shared::MaterialRecord record{};
+  record.base_color = m.base_color;
+  record.emission = m.emission;
+  record.metallic = m.metallic;
+  record.roughness = m.roughness;
+  record.normal_scale = m.normal_scale;
+  record.base_color_texture = slot(m.base_color_texture);
+  record.normal_texture = m.lambert ? shared::kNoTexture : slot(m.normal_texture);
+  record.metallic_roughness_texture = slot(m.metallic_roughness_texture);
+  record.emissive_texture = slot(m.emissive_texture);
+  record.flags = m.lambert ? shared::kMaterialLambert : 0;
+  return record;
+}
+
+template <typename T>
+gpu::Buffer uploaded(gpu::Device& device, gpu::Commands& commands, const std::string& name, const std::vector<T>& items,
+                     gpu::MemoryCategory category = gpu::MemoryCategory::raster) {
+  gpu::Buffer buffer(device, {name, items.size() * sizeof(T), category, gpu::Placement::device,
+                              VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
+  commands.upload<T>(buffer, 0, items);
+  return buffer;
+}
+
+}  // namespace
+
+SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene) {
+  const std::vector<uint32_t> texture_slots = uploadTextures(device, commands, scene);
+
+  commands.begin();
+  // Concatenate the meshes' vertices and indices.
+  std::vector<glm::vec3> positions;
+  std::vector<shared::VertexAttributes> attributes;
+  std::vector<uint32_t> indices;
+  std::vector<size_t> first_vertex, first_index;
+  for (const scene::Mesh& mesh : scene.meshes) {
+    if (mesh.submeshes.size() > kMaxSubmeshes)
+      throw gpu::Failure({ErrorKind::limit, "the mesh '" + mesh.name + "' has " + std::to_string(mesh.submeshes.size()) +
+                          " materials, the limit is " + std::to_string(kMaxSubmeshes) + ": split it", "mesh", mesh.name, std::to_string(kMaxSubmeshes)});
+    first_vertex.push_back(positions.size());
+    first_index.push_back(indices.size());
+    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    for (size_t i = 0; i < mesh.positions.size(); ++i) attributes.push_back(attributesOf(mesh, i));
+    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+  }
+  positions_ = uploaded(device, commands, "vertex positions", positions);
+  attributes_ = uploaded(device, commands, "vertex attributes", attributes);
+  indices_ = uploaded(device, commands, "triangle indices", indices);
+
+  // Tables of geometries, and what BLAS builds and draws need of them.
+  const effects::EmitterTriangles emitters = effects::collectEmitters(scene);
+  std::vector<shared::GeometryRecord> geometries;
+  std::vector<shared::MeshRecord> meshes;
+  std::vector<gpu::BlasInput> blas_inputs;
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const scene::Mesh& mesh = scene.meshes[m];
+    const effects::MeshEmitters& mesh_emitters = emitters.meshes[m];
+    meshes.push_back({0, static_cast<uint32_t>(geometries.size()), static_cast<uint32_t>(mesh.submeshes.size()), mesh_emitters.first, mesh_emitters.count});
+    emitter_power_.push_back(mesh_emitters.power);
+    gpu::BlasInput blas{mesh.name, {}};
+    std::vector<DrawGeometry> draws;
+    for (size_t g = 0; g < mesh.submeshes.size(); ++g) {
+      const scene::Submesh& submesh = mesh.submeshes[g];
+      shared::GeometryRecord record{};
+      record.positions = positions_.address() + first_vertex[m] * sizeof(glm::vec3);
+      record.attributes = attributes_.address() + first_vertex[m] * sizeof(shared::VertexAttributes);
+      record.indices = indices_.address() + (first_index[m] + submesh.first_index) * sizeof(uint32_t);
+      record.material = submesh.material;
+      record.emitter_offset = mesh_emitters.count ? mesh_emitters.geometry_offset[g] : shared::kNoTexture;
+      geometries.push_back(record);
+      blas.geometries.push_back({record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices, submesh.index_count / 3});
+      draws.push_back({record.positions, record.indices, submesh.index_count});
+    }
+    blas_inputs.push_back(std::move(blas));
+    draws_.push_back(std::move(draws));
+  }
+  geometries_ = uploaded(device, commands, "the geometry table", geometries);
+  emitter_triangles_ = uploaded(device, commands, "the emissive triangles", emitters.triangles, gpu::MemoryCategory::path_tracing);
+  std::vector<shared::MaterialRecord> materials;
+  for (const scene::Material& material : scene.materials) materials.push_back(recordOf(material, texture_slots));
+  materials_ = uploaded(device, commands, "the material table", materials);
+
+  commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
+  blases_ = gpu::buildBlases(commands, blas_inputs);
+  for (size_t m = 0; m < meshes.size(); ++m) meshes[m].blas = blases_[m].address();
+  meshes_ = uploaded(device, commands, "the mesh table", meshes);
+  commands.submit();
+  (void)commands.finish();
+}
+
+std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene) {
+  std::vector<uint32_t> slots;
+  uint64_t in_flight = 0;
+  commands.begin();
+  for (const scene::Texture& texture : scene.textures) {
+    // Staging memory holds a few textures at a time.
+    if (in_flight > kMaxInFlightTexels) {
+      commands.submit();
+      (void)commands.finish();
+      commands.begin();
+      in_flight = 0;
+    }
+    const auto mips = static_cast<uint32_t>(std::bit_width(std::max(texture.width, texture.height)));
+    textures_.emplace_back(device, gpu::ImageDescription{"the texture " + texture.name, texture.width, texture.height, mips,
+                                                         texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    commands.uploadTexture(textures_.back(), std::as_bytes(std::span(texture.rgba)));
+    slots.push_back(textures_.back().slot());
+    in_flight += texture.rgba.size();
+    texture_bytes_ += texture.rgba.size() * 4 / 3;
+  }
+  commands.submit();
+  (void)commands.finish();
+  return slots;
+}
+
+}  // namespace helio::render

@@ -1,0 +1,126 @@
+#include "render/view.h"
+
+#include <cmath>
+
+namespace helio::render {
+namespace {
+
+bool same(const scene::Camera& a, const scene::Camera& b) {
+  return a.position == b.position && a.forward == b.forward && a.up == b.up && a.vfov == b.vfov;
+}
+
+/// What was accumulated under `a` may go on under `b`.
+bool continues(const ViewSettings& a, const ViewSettings& b) {
+  return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette;
+}
+
+/// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
+glm::vec2 pixelPosition(uint64_t index) {
+  const double n = static_cast<double>(index);
+  const auto fraction = [](double v) { return static_cast<float>(v - std::floor(v)); };
+  return {fraction(0.5 + n * 0.7548776662466927), fraction(0.5 + n * 0.5698402909980532)};
+}
+
+/// A jump is a move farther than a fast flight makes in one tick, or a turn by more than 30 degrees: exposure adapts at once.
+bool isJump(const scene::Camera& from, const scene::Camera& to) {
+  return glm::distance(from.position, to.position) > 25.0f || glm::dot(glm::normalize(from.forward), glm::normalize(to.forward)) < 0.866f;
+}
+
+constexpr float kAdaptation = 0.15f;  // share of the way to a new exposure, a tick
+
+}  // namespace
+
+std::shared_ptr<PixelPool::Lease> PixelPool::take() {
+  std::unique_ptr<Lease> lease;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!free_.empty()) {
+      lease = std::move(free_.back());
+      free_.pop_back();
+    }
+  }
+  if (!lease)
+    lease.reset(new Lease{gpu::Buffer(*device_, {"a picture to read back", bytes_, gpu::MemoryCategory::transfer, gpu::Placement::readback})});
+  // The deleter holds the pool, so a picture may outlive its view.
+  return {lease.release(), [pool = shared_from_this()](Lease* returned) {
+            const std::lock_guard lock(pool->mutex_);
+            pool->free_.emplace_back(returned);
+          }};
+}
+
+void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed, uint32_t ray_log_stride) {
+  const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
+  jumped_ = resized || isJump(camera_, camera);
+  const bool goes_on = !resized && !scene_changed && same(camera_, camera) && continues(settings_, settings);
+  const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
+  camera_ = camera;
+  settings_ = settings;
+  if (resized) createTargets(commands);
+  const bool keeps = settings.accumulate || settings.mode == Mode::reference;
+  if (!goes_on || !keeps) accumulated_ = 0;
+
+  const uint64_t texels = uint64_t{settings.width} * settings.height;
+  const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;
+  if (raster && (resized || new_primary || !depth)) {
+    depth = gpu::Image(*device_, {"depth", settings.width, settings.height, 1, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+    commands.prepare(depth);
+  }
+  if (settings.keep_radiance && radiance_readback.size() < texels * 16)
+    radiance_readback = gpu::Buffer(*device_, {"radiance to read back", texels * 16, gpu::MemoryCategory::transfer, gpu::Placement::readback});
+  const uint64_t log_bytes = settings.measure_bare_trace ? texels * ray_log_stride * sizeof(shared::RayLogEntry) : 0;
+  if (ray_log.size() < log_bytes) ray_log = gpu::Buffer(*device_, {"the ray log", log_bytes, gpu::MemoryCategory::transfer});
+  pixels_readback = pool_->take();
+}
+
+void View::createTargets(gpu::Commands& commands) {
+  const uint32_t w = settings_.width, h = settings_.height;
+  const uint64_t texels = uint64_t{w} * h;
+  const auto target = [&](const char* name, VkFormat format, VkImageUsageFlags usage, gpu::MemoryCategory category) {
+    gpu::Image image(*device_, {name, w, h, 1, format, usage | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, category});
+    commands.prepare(image);
+    return image;
+  };
+  using enum gpu::MemoryCategory;
+  visibility = target("visibility", VK_FORMAT_R32G32_UINT, VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT, raster);
+  radiance = target("radiance", VK_FORMAT_R32G32B32A32_SFLOAT, 0, path_tracing);
+  accumulation = target("accumulation", VK_FORMAT_R32G32B32A32_SFLOAT, 0, path_tracing);
+  path_info = target("path info", VK_FORMAT_R32_UINT, 0, path_tracing);
+  constants = gpu::Buffer(*device_, {"frame constants", sizeof(shared::FrameConstants), raster});
+  pixels = gpu::Buffer(*device_, {"the picture", texels * 4, raster});
+  state = gpu::Buffer(*device_, {"view state", sizeof(shared::ViewState), raster});
+  state_readback = gpu::Buffer(*device_, {"view state to read back", sizeof(shared::ViewState), transfer, gpu::Placement::readback});
+  depth = {};
+  radiance_readback = {};
+  ray_log = {};
+  commands.fill(state, 0);
+  last_exposure_ = 0.0f;
+  pool_ = std::make_shared<PixelPool>(device_, texels * 4);
+}
+
+shared::SampleConstants View::nextSample() {
+  shared::SampleConstants sample = finalConstants();
+  sample.accumulated = accumulated_;
+  // A reference image is a pure function of its inputs: its seeds count from the start of accumulation.
+  const bool reference = settings_.mode == Mode::reference;
+  sample.sample_index = static_cast<uint32_t>(reference ? accumulated_ : samples_drawn_);
+  // A moving picture is sampled at the pixel's centre, a still one all over the pixel.
+  const bool rerastered = settings_.primary == Primary::traced || reference;
+  const bool anywhere = accumulating() && (rerastered || settings_.samples == 1);
+  sample.jitter = anywhere ? pixelPosition(accumulated_) : glm::vec2(0.5f);
+  ++accumulated_;
+  ++samples_drawn_;
+  return sample;
+}
+
+shared::SampleConstants View::finalConstants() const {
+  shared::SampleConstants constants_{};
+  constants_.frame = constants.address();
+  constants_.accumulated = accumulated_;
+  constants_.exposure_bias = std::exp2(settings_.exposure_ev);
+  constants_.adaptation = jumped_ || settings_.mode == Mode::reference ? 1.0f : kAdaptation;
+  constants_.auto_exposure = settings_.auto_exposure;
+  constants_.source = shown().slot();
+  return constants_;
+}
+
+}  // namespace helio::render

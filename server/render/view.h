@@ -1,0 +1,73 @@
+// What one viewer's camera keeps on the GPU from tick to tick: targets, accumulation, exposure, read-back.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "gpu/commands.h"
+#include "gpu/memory.h"
+#include "render/renderer.h"
+#include "shared/frame.h"
+
+namespace helio::render {
+
+/// Mapped buffers that pictures are read back into; a buffer returns when the last holder of its picture lets go.
+class PixelPool : public std::enable_shared_from_this<PixelPool> {
+ public:
+  /// Keeps the device alive: pictures may outlive the renderer.
+  PixelPool(std::shared_ptr<gpu::Device> device, uint64_t bytes) : device_(std::move(device)), bytes_(bytes) {}
+
+  struct Lease {
+    gpu::Buffer buffer;
+  };
+  std::shared_ptr<Lease> take();
+
+ private:
+  std::shared_ptr<gpu::Device> device_;
+  uint64_t bytes_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Lease>> free_;
+};
+
+class View {
+ public:
+  explicit View(std::shared_ptr<gpu::Device> device) : device_(std::move(device)) {}
+
+  /// Makes the targets fit, decides whether accumulation goes on, and starts a tick.
+  void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed, uint32_t ray_log_stride);
+
+  // ---- Targets (shaders/shared/frame.h says what each holds) ----
+  gpu::Image visibility, depth, radiance, accumulation, path_info;
+  gpu::Buffer constants, state, pixels, slots, ray_log;
+  gpu::Buffer state_readback, radiance_readback;
+  std::shared_ptr<PixelPool::Lease> pixels_readback;
+
+  const scene::Camera& camera() const { return camera_; }
+  const ViewSettings& settings() const { return settings_; }
+  /// The mean of several samples is shown rather than the one sample.
+  bool accumulating() const { return settings_.accumulate || settings_.samples > 1 || settings_.mode == Mode::reference; }
+  const gpu::Image& shown() const { return accumulating() ? accumulation : radiance; }
+
+  /// Push constants of the next sample of this tick.
+  shared::SampleConstants nextSample();
+  /// Push constants of the passes behind the samples.
+  shared::SampleConstants finalConstants() const;
+  uint32_t accumulated() const { return accumulated_; }
+  /// Exposure of the last picture, 0 before the first.
+  float lastExposure() const { return last_exposure_; }
+  void setLastExposure(float exposure) { last_exposure_ = exposure; }
+
+ private:
+  void createTargets(gpu::Commands& commands);
+
+  std::shared_ptr<gpu::Device> device_;
+  std::shared_ptr<PixelPool> pool_;
+  scene::Camera camera_;
+  ViewSettings settings_;
+  uint64_t samples_drawn_ = 0;  // since the view was made: live seeds never repeat
+  uint32_t accumulated_ = 0;
+  float last_exposure_ = 0.0f;
+  bool jumped_ = true;
+};
+
+}  // namespace helio::render

@@ -1,0 +1,275 @@
+#include "render/world_renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "render/camera_frame.h"
+
+namespace helio::render {
+namespace {
+
+constexpr float kNearPlane = 0.05f;  // metres
+
+/// Passes that measure rather than make the picture.
+bool isMeasurement(const std::string& pass) { return pass == "log_rays" || pass == "bare_trace"; }
+
+bool usesRaster(const ViewSettings& settings) { return settings.mode == Mode::hybrid && settings.primary == Primary::raster; }
+
+}  // namespace
+
+struct WorldRenderer::Work {
+  View& view;
+  int owner;
+  DrawList draws;
+  std::vector<shared::SampleConstants> samples;
+};
+
+WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes, scene::ScenePtr scene)
+    : device_(std::move(device)),
+      passes_(passes),
+      scene_(std::move(scene)),
+      commands_(*device_),
+      resources_(*device_, commands_, *scene_),
+      instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
+      tlas_(*device_),
+      emitters_(*device_),
+      registry_(*scene_),
+      environment_(scene_->environment) {
+  for (const scene::Placement& placement : scene_->placements) registry_.place(placement.prefab, +1);
+  passes_.path_trace.prepare(registry_.present(environment_));
+  passes_.path_trace.prepare(registry_.possible(environment_));
+  for (const scene::Placement& placement : scene_->placements) registry_.place(placement.prefab, -1);
+}
+
+void WorldRenderer::addView(ViewHandle handle) {
+  const std::lock_guard lock(mutex_);
+  views_.emplace(handle, std::make_unique<View>(device_));
+}
+
+void WorldRenderer::removeView(ViewHandle handle) {
+  const std::lock_guard lock(mutex_);
+  views_.erase(handle);
+}
+
+Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
+  const std::lock_guard lock(mutex_);
+  for (const ViewRequest& request : requests) {
+    if (!views_.contains(request.view)) return Error{ErrorKind::not_found, "no view " + std::to_string(request.view) + " in this world", "view", std::to_string(request.view), {}};
+    if (auto valid = check(request.camera); !valid) return valid.error();
+    if (auto valid = check(request.settings); !valid) return valid.error();
+  }
+
+  instances_.apply(changes, [this](uint32_t prefab, int64_t count) { registry_.place(prefab, count); });
+  const bool scene_changed = instances_.dirty() || changes.environment_changed;
+  environment_ = changes.environment;
+  effects_ = registry_.present(environment_);
+
+  commands_.begin();
+  Graph graph;
+  addWorldPasses(graph);
+  std::vector<Work> work;
+  work.reserve(requests.size());
+  for (const ViewRequest& request : requests) {
+    View& view = *views_.at(request.view);
+    view.begin(commands_, request.camera, request.settings, scene_changed, PathTrace::rayLogStride(request.settings.bounces));
+    work.push_back({view, static_cast<int>(work.size()), {}, {}});
+    addViewPasses(graph, work.back());
+  }
+  graph.record(commands_);
+  commands_.submit();
+  const std::vector<gpu::TimedPass> times = commands_.finish();
+
+  std::vector<Frame> frames;
+  for (const Work& w : work) frames.push_back(finishView(graph, times, w, changes));
+  return frames;
+}
+
+void WorldRenderer::addWorldPasses(Graph& graph) {
+  if (!instances_.dirty()) return;
+  graph.add("instances", Graph::kShared, {{&instances_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) {
+    instances_.upload(commands);
+    tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));
+  });
+  if (effects_.has(effects::Effect::emissive_triangles))
+    graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
+  graph.add("assemble", Graph::kShared, {{&instances_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
+            [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
+  graph.add("tlas", Graph::kShared, {{&tlas_, gpu::use::build_read}, {&tlas_, gpu::use::build_write}},
+            [this](gpu::Commands& commands) { tlas_.build(commands); });
+}
+
+void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
+  View& view = work.view;
+  const ViewSettings& settings = view.settings();
+  const ViewPass pass{graph, view, work.owner, &tlas_, &instances_};
+
+  graph.add("constants", work.owner, {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
+            [this, &view](gpu::Commands& commands) { uploadConstants(commands, view); });
+
+  for (uint32_t i = 0; i < settings.samples; ++i) {
+    work.samples.push_back(view.nextSample());
+    const shared::SampleConstants& sample = work.samples.back();
+    if (!usesRaster(settings)) {
+      passes_.primary_traced.add(pass, sample);
+    } else if (i == 0) {  // rasterised once a tick; the samples share its hits
+      const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
+      work.draws = cullToFrustum(instances_, scene_->meshes.size(), view.camera(), aspect);
+      passes_.primary_raster.add(pass, work.draws, resources_, sample.jitter);
+    }
+    passes_.path_trace.add(pass, sample, effects_);
+    passes_.statistics.add(pass, sample);
+    if (view.accumulating()) passes_.accumulate.add(pass, sample);
+  }
+
+  const shared::SampleConstants last = view.finalConstants();
+  if (settings.auto_exposure) passes_.exposure.add(pass, last);
+  passes_.tonemap.add(pass, last);
+  graph.add("read_back", work.owner, {{&view.pixels, gpu::use::transfer_read}, {&view.state, gpu::use::transfer_read}, {&view.shown(), gpu::use::transfer_read}},
+            [&view](gpu::Commands& commands) {
+              commands.copy(view.pixels, view.pixels_readback->buffer, view.pixels.size());
+              commands.copy(view.state, view.state_readback, sizeof(shared::ViewState));
+              if (view.settings().keep_radiance) commands.copy(view.shown(), view.radiance_readback);
+              commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
+            });
+  if (settings.measure_bare_trace) {
+    passes_.path_trace.addLog(pass, work.samples.back(), effects_);
+    passes_.bare_trace.add(pass, work.samples.back());
+  }
+}
+
+void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
+  const ViewSettings& settings = view.settings();
+  const CameraFrame camera = cameraFrame(view.camera());
+  shared::FrameConstants c{};
+  c.position = view.camera().position;
+  c.right = camera.right;
+  c.up = camera.up;
+  c.forward = camera.forward;
+  c.tangent = camera.tangent;
+  c.aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
+  c.near_plane = kNearPlane;
+  c.pixel_spread = std::atan(2.0f * camera.tangent / static_cast<float>(settings.height));
+  c.width = settings.width;
+  c.height = settings.height;
+
+  c.tlas = tlas_.address();
+  c.instances = instances_.recordBuffer().address();
+  c.meshes = resources_.meshes();
+  c.geometries = resources_.geometries();
+  c.materials = resources_.materials();
+  c.emitter_instances = emitters_.address();
+  c.emitter_triangles = resources_.emitterTriangles();
+  c.emitter_instance_count = effects_.has(effects::Effect::emissive_triangles) ? emitters_.count() : 0;
+  c.emitter_weight_sum = emitters_.weightSum();
+
+  // A disc of half angle a and radiance L gives the irradiance L pi sin^2 a. 1 - cos a = 2 sin^2(a / 2) keeps its digits.
+  const scene::Sun& sun = environment_.sun;
+  const double half_angle = 0.5 * static_cast<double>(sun.angular_diameter);
+  c.sun_to = -glm::normalize(sun.direction);
+  c.sun_radiance = sun.irradiance / static_cast<float>(3.14159265358979 * std::pow(std::sin(half_angle), 2.0));
+  c.sun_one_minus_cos = static_cast<float>(2.0 * std::pow(std::sin(0.5 * half_angle), 2.0));
+  c.sky_zenith = environment_.sky.zenith;
+  c.sky_ground = environment_.sky.ground;
+
+  c.max_scatterings = settings.bounces + 1;
+  c.roulette = settings.roulette;
+  // A reference image must not depend on the frames before it.
+  const bool reference = settings.mode == Mode::reference;
+  c.roulette_exposure = reference || !(view.lastExposure() > 0.0f) ? 1.0f : view.lastExposure();
+
+  c.visibility = view.visibility.slot();
+  c.radiance = view.radiance.slot();
+  c.accumulation = view.accumulation.slot();
+  c.path_info = view.path_info.slot();
+  c.view_state = view.state.address();
+  c.pixels = view.pixels.address();
+  c.ray_log = view.ray_log ? view.ray_log.address() : 0;
+  c.ray_log_stride = PathTrace::rayLogStride(settings.bounces);
+  commands.upload<shared::FrameConstants>(view.constants, 0, std::span(&c, 1));
+
+  constexpr uint64_t kCounters = offsetof(shared::ViewState, bounce_rays);
+  const std::vector<std::byte> zeros(sizeof(shared::ViewState) - kCounters);
+  commands.upload(view.state, kCounters, zeros);
+}
+
+Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work, const world::ChangeSet& changes) {
+  View& view = work.view;
+  const ViewSettings& settings = view.settings();
+  view.state_readback.invalidate();
+  shared::ViewState state;
+  std::memcpy(&state, view.state_readback.mapped(), sizeof state);
+
+  Frame frame;
+  FrameStats& stats = frame.stats;
+  stats.tick = changes.tick;
+  stats.applied_seq = changes.applied_seq;
+  stats.time = changes.time;
+  for (size_t i = 0; i < times.size(); ++i) {
+    if (const int owner = graph.passes()[i].owner; owner != Graph::kShared && owner != work.owner) continue;
+    if (times[i].name == "bare_trace") stats.bare_trace_ms = times[i].ms;
+    if (isMeasurement(times[i].name)) continue;
+    stats.gpu_ms += times[i].ms;
+    // Several samples a tick repeat passes: one row each.
+    const auto row = std::find_if(stats.passes.begin(), stats.passes.end(), [&](const PassTime& p) { return p.name == times[i].name; });
+    if (row != stats.passes.end()) row->ms += times[i].ms;
+    else stats.passes.push_back({times[i].name, times[i].ms});
+  }
+  const uint64_t texels = uint64_t{settings.width} * settings.height;
+  stats.rays.primary = usesRaster(settings) ? 0 : texels * settings.samples;
+  stats.rays.bounce = state.bounce_rays;
+  stats.rays.shadow = state.shadow_rays;
+  stats.rays.retrace = state.retrace_rays;
+  stats.nonfinite = state.nonfinite;
+  stats.accumulated = view.accumulated();
+  stats.tlas_instances = static_cast<uint32_t>(instances_.order().size());
+  stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);
+  stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
+  stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster), device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
+                  device_->memoryInUse(gpu::MemoryCategory::path_tracing)};
+  stats.effects = effectCosts(stats.passes);
+  view.setLastExposure(static_cast<float>(stats.exposure));
+
+  view.pixels_readback->buffer.invalidate();
+  // Aliases the lease: the buffer returns to its pool with the last holder of the picture.
+  struct Picture {
+    std::shared_ptr<PixelPool::Lease> lease;
+    Pixels pixels;
+  };
+  auto picture = std::make_shared<Picture>(Picture{std::move(view.pixels_readback), {}});
+  picture->pixels = {reinterpret_cast<const uint8_t*>(picture->lease->buffer.mapped()), settings.width, settings.height};
+  frame.pixels = std::shared_ptr<const Pixels>(picture, &picture->pixels);
+
+  if (settings.keep_radiance) {
+    view.radiance_readback.invalidate();
+    const auto* texel = reinterpret_cast<const float*>(view.radiance_readback.mapped());
+    frame.radiance.resize(texels * 3);
+    for (uint64_t i = 0; i < texels; ++i)
+      for (uint64_t c = 0; c < 3; ++c) frame.radiance[3 * i + c] = texel[4 * i + c];
+  }
+  return frame;
+}
+
+std::vector<EffectCost> WorldRenderer::effectCosts(const std::vector<PassTime>& passes) const {
+  using effects::Effect;
+  const auto pass_ms = [&](const std::string& name) {
+    for (const PassTime& pass : passes)
+      if (pass.name == name) return pass.ms;
+    return 0.0;
+  };
+  std::vector<EffectCost> costs;
+  for (size_t i = 0; i < effects::kEffects; ++i) {
+    const auto effect = static_cast<Effect>(i);
+    if (!effects_.has(effect)) continue;
+    EffectCost cost{effects::name(effect), registry_.instances(effect), 0, 0.0};
+    if (effect == Effect::textures) cost.memory_bytes = resources_.textureBytes();
+    if (effect == Effect::emissive_triangles) {
+      cost.memory_bytes = resources_.emitterBytes() + emitters_.bytes();
+      cost.pass_ms = pass_ms("emitters");
+    }
+    costs.push_back(std::move(cost));
+  }
+  return costs;
+}
+
+}  // namespace helio::render

@@ -1,0 +1,55 @@
+// One world on the GPU: its scene, its instances, its acceleration structure, its views. A tick is one command buffer.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "accel/instance_table.h"
+#include "accel/tlas_assembly.h"
+#include "effects/registry.h"
+#include "render/emitter_instances.h"
+#include "render/passes.h"
+#include "render/renderer.h"
+#include "render/scene_resources.h"
+#include "render/view.h"
+
+namespace helio::render {
+
+/// Thread-safe: a tick, a view that comes and a view that goes wait for each other.
+class WorldRenderer {
+ public:
+  /// Uploads the scene and compiles the shader variants that it could call for. Throws gpu::Failure.
+  WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes, scene::ScenePtr scene);
+
+  void addView(ViewHandle handle);
+  void removeView(ViewHandle handle);
+
+  /// One tick (algorithms: apply edits → upload → assemble → build the TLAS → per view: primary hits → path trace →
+  /// accumulate → exposure → tonemap → read back). Throws gpu::Failure; the changes are kept for the next tick then.
+  Result<std::vector<Frame>> tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests);
+
+ private:
+  struct Work;  // what one view's passes need until the graph is recorded
+  void addWorldPasses(Graph& graph);
+  void addViewPasses(Graph& graph, Work& work);
+  void uploadConstants(gpu::Commands& commands, View& view) const;
+  Frame finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work, const world::ChangeSet& changes);
+  std::vector<EffectCost> effectCosts(const std::vector<PassTime>& passes) const;
+
+  std::shared_ptr<gpu::Device> device_;
+  Passes& passes_;
+  scene::ScenePtr scene_;
+  gpu::Commands commands_;
+  SceneResources resources_;
+  accel::InstanceTable instances_;
+  accel::TlasAssembly tlas_;
+  EmitterInstances emitters_;
+  effects::Registry registry_;
+  effects::EffectSet effects_;
+  scene::Environment environment_;
+  std::mutex mutex_;
+  std::map<ViewHandle, std::unique_ptr<View>> views_;
+};
+
+}  // namespace helio::render

@@ -1,0 +1,19 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Running mean over samples: m += (x - m) / n. Dropped samples count as nothing: alpha holds the number of samples kept.
+#include "lib/bindless.glsl"
+#include "lib/tables.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x >= int(frame.width) || pixel.y >= int(frame.height)) return;
+  const vec4 sampled = imageLoad(images_rgba32f[frame.radiance], pixel);
+  vec4 mean = push.accumulated == 0u ? vec4(0.0) : imageLoad(images_rgba32f[frame.accumulation], pixel);
+  if (sampled.a > 0.0) {
+    mean.a += 1.0;
+    mean.rgb += (sampled.rgb - mean.rgb) / mean.a;
+  }
+  imageStore(images_rgba32f[frame.accumulation], pixel, mean);
+}

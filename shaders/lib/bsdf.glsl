@@ -1,0 +1,125 @@
+// glTF's metallic-roughness material: Lambert under a GGX lobe, or plain Lambert. All directions in the shading frame
+// (z = shading normal), pointing away from the surface; wo.z > 0.
+//   f = (1 - F) (1 - metallic) base / pi + F D G2 / (4 cos cos)        [glTF 2.0, appendix B]
+// D: GGX; G2: height-correlated Smith; sampled by visible normals [Heitz 2018].
+#ifndef HELIO_BSDF_GLSL
+#define HELIO_BSDF_GLSL
+#include "lib/effects.glsl"
+#include "lib/math.glsl"
+
+// Below this alpha the lobe is a mirror: a GGX peak that narrow has no digits left in floats.
+const float kMirrorAlpha = 1e-3;
+
+struct Bsdf {
+  vec3 diffuse;   // albedo of the Lambert part before (1 - F)
+  vec3 f0;
+  float alpha;    // roughness^2
+  bool specular;  // has the GGX lobe at all
+  bool mirror;    // the lobe is a delta
+};
+
+struct BsdfSample {
+  vec3 wi;
+  vec3 weight;   // f cos / pdf
+  float pdf;     // per steradian; 0 with mirror
+  bool mirror;
+};
+
+Bsdf makeBsdf(vec3 base, float metallic, float roughness, bool lambert) {
+  Bsdf b;
+  b.specular = !lambert;
+  b.diffuse = lambert ? base : base * (1.0 - metallic);
+  b.f0 = mix(vec3(0.04), base, metallic);
+  b.alpha = max(roughness * roughness, kMirrors ? 0.0 : kMirrorAlpha);
+  b.mirror = kMirrors && b.specular && b.alpha < kMirrorAlpha;
+  return b;
+}
+
+vec3 fresnel(vec3 f0, float cos_theta) {
+  const float m = clamp(1.0 - cos_theta, 0.0, 1.0);
+  const float m2 = m * m;
+  return f0 + (1.0 - f0) * (m2 * m2 * m);
+}
+
+float ggxD(vec3 h, float alpha) {
+  const vec2 s = h.xy / alpha;
+  const float d = dot(s, s) + h.z * h.z;
+  return 1.0 / (kPi * alpha * alpha * d * d);
+}
+float smithLambda(vec3 w, float alpha) {
+  const float cos2 = w.z * w.z;
+  const float tan2 = max(0.0, 1.0 - cos2) / max(cos2, 1e-12);
+  return 0.5 * (sqrt(1.0 + alpha * alpha * tan2) - 1.0);
+}
+float smithG1(vec3 w, float alpha) { return 1.0 / (1.0 + smithLambda(w, alpha)); }
+float smithG2(vec3 wo, vec3 wi, float alpha) { return 1.0 / (1.0 + smithLambda(wo, alpha) + smithLambda(wi, alpha)); }
+
+// Normal visible from wo [Heitz 2018, listing 1].
+vec3 sampleVisibleNormal(vec3 wo, float alpha, vec2 u) {
+  const vec3 v = normalize(vec3(alpha * wo.xy, wo.z));
+  const float length2 = dot(v.xy, v.xy);
+  const vec3 t1 = length2 > 1e-14 ? vec3(-v.y, v.x, 0.0) * inversesqrt(length2) : vec3(1.0, 0.0, 0.0);
+  const vec3 t2 = cross(v, t1);
+  const float r = sqrt(u.x);
+  const float phi = 2.0 * kPi * u.y;
+  const float p1 = r * cos(phi);
+  const float s = 0.5 * (1.0 + v.z);
+  const float p2 = mix(sqrt(max(0.0, 1.0 - p1 * p1)), r * sin(phi), s);
+  const vec3 n = p1 * t1 + p2 * t2 + sqrt(max(0.0, 1.0 - p1 * p1 - p2 * p2)) * v;
+  return normalize(vec3(alpha * n.xy, max(1e-7, n.z)));
+}
+
+// Probability of sampling the specular lobe: its share of what is reflected about.
+float specularProbability(Bsdf b, vec3 wo) {
+  if (!b.specular) return 0.0;
+  const vec3 f = fresnel(b.f0, wo.z);
+  const float s = maxComponent(f);
+  const float d = maxComponent(b.diffuse * (1.0 - f));
+  return d <= 0.0 ? 1.0 : clamp(s / (s + d), 0.1, 0.9);
+}
+
+// f(wo, wi) |cos wi| of everything but a mirror, and the density with which sampleBsdf draws wi.
+vec3 evaluateBsdf(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
+  pdf = 0.0;
+  if (wi.z <= 0.0 || wo.z <= 0.0) return vec3(0.0);
+  const float p = specularProbability(b, wo);
+  if (!b.specular) {
+    pdf = wi.z * kInvPi;
+    return b.diffuse * pdf;
+  }
+  const vec3 h = normalize(wo + wi);
+  const vec3 f = fresnel(b.f0, dot(wo, h));
+  const float diffuse_pdf = wi.z * kInvPi;
+  vec3 value = (1.0 - f) * b.diffuse * diffuse_pdf;
+  pdf = (1.0 - p) * diffuse_pdf;
+  if (!b.mirror) {
+    const float d = ggxD(h, b.alpha);
+    value += f * (d * smithG2(wo, wi, b.alpha) / (4.0 * wo.z));
+    pdf += p * (d * smithG1(wo, b.alpha) / (4.0 * wo.z));
+  }
+  return value;
+}
+
+// Draws wi. False: the sample carries nothing (below the horizon).
+bool sampleBsdf(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
+  const float p = specularProbability(b, wo);
+  s.mirror = false;
+  if (u.z < p) {
+    if (b.mirror) {
+      s.wi = vec3(-wo.xy, wo.z);
+      s.weight = fresnel(b.f0, wo.z) / p;
+      s.pdf = 0.0;
+      s.mirror = true;
+      return true;
+    }
+    s.wi = reflect(-wo, sampleVisibleNormal(wo, b.alpha, u.xy));
+  } else {
+    s.wi = cosineHemisphere(u.xy);
+  }
+  const vec3 value = evaluateBsdf(b, wo, s.wi, s.pdf);
+  if (!(s.pdf > 0.0)) return false;
+  s.weight = value / s.pdf;
+  return true;
+}
+
+#endif

@@ -1,0 +1,13 @@
+// Specialisation constants: one a registered effect, in the registry's order (effects/registry.h). A shader is compiled
+// for exactly what the scene calls for.
+#ifndef HELIO_EFFECTS_GLSL
+#define HELIO_EFFECTS_GLSL
+
+layout(constant_id = 0) const bool kTextures = true;
+layout(constant_id = 1) const bool kNormalMaps = true;
+layout(constant_id = 2) const bool kEmissiveTriangles = true;
+layout(constant_id = 3) const bool kSun = true;
+layout(constant_id = 4) const bool kSkyGradient = true;
+layout(constant_id = 5) const bool kMirrors = true;
+
+#endif

@@ -1,0 +1,91 @@
+// What every pass of a view is given: one block of constants by address, and a few push constants.
+#ifndef HELIO_SHARED_FRAME_H
+#define HELIO_SHARED_FRAME_H
+#include "shared/types.h"
+
+HELIO_SHARED_BEGIN
+
+struct FrameConstants {
+  // Camera. right, up and forward are orthonormal; `tangent` = tan(vfov / 2); rays leave `position`.
+  vec3 position;
+  float tangent;
+  vec3 right;
+  float aspect;
+  vec3 up;
+  float near_plane;   // metres
+  vec3 forward;
+  float pixel_spread; // radians a pixel: the ray cone's opening [Akenine-Moeller 2019]
+  uint width;
+  uint height;
+
+  // Scene tables (shared/scene.h).
+  uint64_t tlas;
+  uint64_t instances;
+  uint64_t meshes;
+  uint64_t geometries;
+  uint64_t materials;
+  uint64_t emitter_instances;
+  uint64_t emitter_triangles;
+  uint emitter_instance_count;
+  float emitter_weight_sum;
+
+  // Sun and sky. `sun_to` points towards the sun.
+  vec3 sun_to;
+  vec3 sun_radiance;       // of the disc: irradiance / (pi sin^2)
+  float sun_one_minus_cos; // of the disc's half angle
+  vec3 sky_zenith;
+  vec3 sky_ground;
+
+  // Path tracing.
+  uint max_scatterings;  // B + 1
+  uint roulette;         // 0 or 1
+  float roulette_exposure;
+
+  // Images of the bindless set, and buffers.
+  uint visibility;    // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
+  uint radiance;      // rgba32f: this sample
+  uint accumulation;  // rgba32f: mean of the samples so far
+  uint path_info;     // r32ui: rays and dropped samples of this tick (packPathInfo)
+  uint64_t view_state;
+  uint64_t pixels;    // one RGBA8 word a pixel
+  uint64_t ray_log;   // RayLogEntry: ray_log_stride a pixel
+  uint ray_log_stride;
+};
+
+HELIO_CONSTANT kNothing = 0xffffffffu;
+HELIO_CONSTANT kHistogramBins = 256u;
+
+// What a view keeps from tick to tick, and what the CPU reads back.
+struct ViewState {
+  float exposure;             // factor on radiance
+  uint histogram[kHistogramBins];
+  uint bounce_rays;
+  uint shadow_rays;
+  uint retrace_rays;
+  uint nonfinite;
+};
+
+// One sample of a view: pushed to every pass.
+struct SampleConstants {
+  uint64_t frame;       // FrameConstants
+  vec2 jitter;          // position in the pixel, [0, 1)
+  uint sample_index;    // seed: counts samples since accumulation began, plus the view's tick
+  uint accumulated;     // samples already in the mean
+  float exposure_bias;  // 2^ev
+  float adaptation;     // share of the way to the new exposure, (0, 1]
+  uint auto_exposure;   // 0: exposure = exposure_bias
+  uint source;          // tonemap, histogram: image to read
+};
+
+struct RayLogEntry {
+  vec3 origin;
+  float t_max;
+  vec3 direction;
+  uint kind;
+};
+HELIO_CONSTANT kRayEnd = 0u;
+HELIO_CONSTANT kRayBounce = 1u;
+HELIO_CONSTANT kRayShadow = 2u;
+
+HELIO_SHARED_END
+#endif

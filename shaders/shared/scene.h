@@ -1,0 +1,81 @@
+// The scene on the GPU: tables of meshes, geometries, materials, instances and emitters.
+//
+// Contract: an instance's slot is its index in the instance table, its custom index in the TLAS, and what the visibility
+// image holds. `MeshRecord.first_geometry + gl_GeometryIndexEXT` is the geometry record of a hit.
+#ifndef HELIO_SHARED_SCENE_H
+#define HELIO_SHARED_SCENE_H
+#include "shared/types.h"
+
+HELIO_SHARED_BEGIN
+
+HELIO_CONSTANT kNoTexture = 0xffffffffu;
+HELIO_CONSTANT kNoMesh = 0xffffffffu;
+
+HELIO_CONSTANT kMaterialLambert = 1u;  // two-sided Lambert, no specular lobe
+
+// Visibility masks of rays and instances (the LiPaC paper's classes get the further bits).
+HELIO_CONSTANT kMaskSolid = 1u;
+HELIO_CONSTANT kMaskAll = 0xffu;
+
+// One vertex beside its position. Octahedral snorm16 pairs; the tangent's handedness is the lowest bit of `tangent`.
+struct VertexAttributes {
+  uint normal;
+  uint tangent;
+  vec2 uv;
+};
+
+// The triangles of one submesh.
+struct GeometryRecord {
+  uint64_t positions;   // float3 a vertex
+  uint64_t attributes;  // VertexAttributes a vertex
+  uint64_t indices;     // uint, three a triangle
+  uint material;
+  uint emitter_offset;  // of this geometry's first triangle among its mesh's emissive triangles; kNoTexture: not emissive
+};
+
+struct MeshRecord {
+  uint64_t blas;           // device address
+  uint first_geometry;
+  uint geometry_count;
+  uint first_emitter;      // in the table of emissive triangles
+  uint emitter_count;      // 0: nothing shines
+};
+
+struct MaterialRecord {
+  vec4 base_color;
+  vec3 emission;       // W/(sr m^2)
+  float metallic;
+  float roughness;     // perceptual
+  float normal_scale;
+  uint base_color_texture;
+  uint normal_texture;
+  uint metallic_roughness_texture;
+  uint emissive_texture;
+  uint flags;
+};
+
+// Rows of the object-to-world matrix: what VkTransformMatrixKHR holds too.
+struct InstanceRecord {
+  vec4 rows[3];
+  uint mesh;             // kNoMesh: a free slot
+  float emitter_weight;  // its power, up to a factor common to all; over FrameConstants.emitter_weight_sum: its probability
+};
+
+// Entry of a table for Walker's alias method: take `index` itself with probability `keep`, else `alias`.
+struct EmitterInstance {
+  uint slot;
+  uint alias;
+  float keep;
+};
+
+// An emissive triangle of a mesh, chosen in proportion to its power among the mesh's.
+struct EmitterTriangle {
+  uint geometry;   // within the mesh
+  uint primitive;
+  uint alias;      // within the mesh
+  float keep;
+  float pmf;
+};
+
+HELIO_SHARED_END
+#endif

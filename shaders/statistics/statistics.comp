@@ -1,0 +1,30 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Sums up what the paths of this tick cost: rays by kind, samples dropped.
+#include "lib/bindless.glsl"
+#include "lib/tables.glsl"
+
+layout(local_size_x = 16, local_size_y = 16) in;
+
+shared uint sums[4];
+
+void main() {
+  if (gl_LocalInvocationIndex < 4u) sums[gl_LocalInvocationIndex] = 0u;
+  barrier();
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (pixel.x < int(frame.width) && pixel.y < int(frame.height)) {
+    const uint info = imageLoad(images_r32ui[frame.path_info], pixel).x;
+    for (uint i = 0u; i < 4u; ++i) {
+      const uint count = info >> 8u * i & 0xffu;
+      if (count > 0u) atomicAdd(sums[i], count);
+    }
+  }
+  barrier();
+  if (gl_LocalInvocationIndex == 0u) {
+    ViewStateRef view = ViewStateRef(frame.view_state);
+    atomicAdd(view.state.bounce_rays, sums[0]);
+    atomicAdd(view.state.shadow_rays, sums[1]);
+    atomicAdd(view.state.retrace_rays, sums[2]);
+    atomicAdd(view.state.nonfinite, sums[3]);
+  }
+}
