@@ -1,0 +1,326 @@
+#include "service/convert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <utility>
+
+#include <spdlog/fmt/fmt.h>
+#include <glm/gtc/quaternion.hpp>
+
+#include "scene/city.h"
+
+namespace helio::service {
+namespace {
+
+template <typename T>
+std::string text(T number) {
+  std::ostringstream out;
+  out << number;
+  return out.str();
+}
+
+std::string range(uint32_t low, uint32_t high) { return fmt::format("[{}, {}]", low, high); }
+
+Outcome<void> within(const std::string& field, uint32_t value, uint32_t low, uint32_t high) {
+  if (value < low || value > high) return outOfRange(field, text(value), range(low, high));
+  return {};
+}
+
+/// The renderer's error about its own struct, under the sender's name of the message: "camera.vfov" is
+/// "hello.camera.vfov".
+Failure inside(const std::string& message, Error error) {
+  error.field = message + error.field.substr(std::min(error.field.find('.'), error.field.size()));
+  return error;
+}
+
+/// What settings and shots have in common.
+template <typename Message>
+Outcome<render::ViewSettings> viewSettings(const Message& message, const std::string& name, const Limits& limits) {
+  render::ViewSettings view;
+  if (auto ok = within(name + ".width", message.width(), limits.min_size, limits.max_size); !ok) return ok.error();
+  if (auto ok = within(name + ".height", message.height(), limits.min_size, limits.max_size); !ok) return ok.error();
+  view.width = message.width();
+  view.height = message.height();
+  switch (message.mode()) {
+    case v1::RENDER_MODE_UNSPECIFIED:
+    case v1::RENDER_MODE_HYBRID:
+      view.mode = render::Mode::hybrid;
+      break;
+    case v1::RENDER_MODE_REFERENCE:
+      view.mode = render::Mode::reference;
+      break;
+    default:
+      return outOfRange(name + ".mode", text(int(message.mode())), "RenderMode");
+  }
+  switch (message.primary()) {
+    case v1::PRIMARY_HITS_UNSPECIFIED:
+    case v1::PRIMARY_HITS_RASTER:
+      view.primary = render::Primary::raster;
+      break;
+    case v1::PRIMARY_HITS_TRACED:
+      view.primary = render::Primary::traced;
+      break;
+    default:
+      return outOfRange(name + ".primary", text(int(message.primary())), "PrimaryHits");
+  }
+  switch (message.exposure().mode()) {
+    case v1::EXPOSURE_MODE_UNSPECIFIED:
+    case v1::EXPOSURE_MODE_AUTOMATIC:
+      view.auto_exposure = true;
+      break;
+    case v1::EXPOSURE_MODE_FIXED:
+      view.auto_exposure = false;
+      break;
+    default:
+      return outOfRange(name + ".exposure.mode", text(int(message.exposure().mode())), "ExposureMode");
+  }
+  view.exposure_ev = message.exposure().ev();
+  if (message.has_bounces()) view.bounces = message.bounces();
+  return view;
+}
+
+Outcome<world::Pose> placement(const google::protobuf::RepeatedField<float>& numbers, int first) {
+  world::Pose pose;
+  pose.position = {numbers[first], numbers[first + 1], numbers[first + 2]};
+  pose.rotation = glm::quat(numbers[first + 6], numbers[first + 3], numbers[first + 4], numbers[first + 5]);
+  pose.scale = numbers[first + 7];
+  return pose;
+}
+
+constexpr int kPlacementNumbers = 8;
+
+Outcome<world::Edit> build(const v1::Build& message, const std::string& field) {
+  const auto& numbers = message.placements();
+  if (numbers.empty() || numbers.size() % kPlacementNumbers != 0)
+    return outOfRange(field + ".placements", text(numbers.size()) + " numbers", "multiples of 8 above 0");
+  world::Build edit{message.prefab(), {}};
+  edit.poses.reserve(size_t(numbers.size() / kPlacementNumbers));
+  for (int first = 0; first < numbers.size(); first += kPlacementNumbers)
+    edit.poses.push_back(*placement(numbers, first));
+  return world::Edit{std::move(edit)};
+}
+
+Outcome<world::Edit> setSun(const v1::SetSun& message, const std::string& field) {
+  switch (message.kind_case()) {
+    case v1::SetSun::kDaylight: {
+      const auto& daylight = message.daylight();
+      constexpr float kQuarterTurn = std::numbers::pi_v<float> / 2;
+      if (!(std::abs(daylight.elevation()) <= kQuarterTurn))
+        return outOfRange(field + ".daylight.elevation", text(daylight.elevation()), "[-pi/2, pi/2]");
+      if (!std::isfinite(daylight.azimuth()))
+        return outOfRange(field + ".daylight.azimuth", text(daylight.azimuth()), "finite numbers");
+      return world::Edit{world::SetSun{scene::daylight(daylight.elevation(), daylight.azimuth()).sun, true}};
+    }
+    case v1::SetSun::kSun: {
+      const auto& sun = message.sun();
+      const auto vec = [](const v1::Vec3& v) { return glm::vec3(v.x(), v.y(), v.z()); };
+      return world::Edit{world::SetSun{{vec(sun.direction()), vec(sun.irradiance()), sun.angular_diameter()}, false}};
+    }
+    case v1::SetSun::KIND_NOT_SET:
+      break;
+  }
+  return outOfRange(field, "neither daylight nor sun", "SetSun");
+}
+
+Outcome<world::Edit> edit(const v1::Edit& message, const std::string& name) {
+  switch (message.kind_case()) {
+    case v1::Edit::kBuild:
+      return build(message.build(), name + ".build");
+    case v1::Edit::kDestroy:
+      return world::Edit{world::Destroy{{message.destroy().ids().begin(), message.destroy().ids().end()}}};
+    case v1::Edit::kDestroyRegion: {
+      const auto& region = message.destroy_region();
+      return world::Edit{world::DestroyRegion{{region.x(), region.z()}, region.radius()}};
+    }
+    case v1::Edit::kMove: {
+      const auto& numbers = message.move().placement();
+      if (numbers.size() != kPlacementNumbers)
+        return outOfRange(name + ".move.placement", text(numbers.size()) + " numbers", "8 numbers");
+      return world::Edit{world::Move{message.move().id(), *placement(numbers, 0)}};
+    }
+    case v1::Edit::kSetSun:
+      return setSun(message.set_sun(), name + ".set_sun");
+    case v1::Edit::KIND_NOT_SET:
+      break;
+  }
+  // Perhaps a newer client's kind of edit: never acknowledge what is not done.
+  return outOfRange(name, "of no kind that this server knows", "build, destroy, destroy_region, move, set_sun");
+}
+
+v1::Vec3 vec(const glm::vec3& v) {
+  v1::Vec3 out;
+  out.set_x(v.x);
+  out.set_y(v.y);
+  out.set_z(v.z);
+  return out;
+}
+
+}  // namespace
+
+Outcome<ViewerSettings> fromWire(const v1::Settings& message, const Limits& limits) {
+  ViewerSettings settings;
+  auto view = viewSettings(message, "settings", limits);
+  if (!view) return view.error();
+  settings.view = *view;
+  if (message.samples() != 0) settings.view.samples = message.samples();
+  const auto& stream = message.stream();
+  if (stream.max_fps() != 0) settings.max_fps = stream.max_fps();
+  if (stream.max_latency_ms() != 0) settings.max_latency_ms = stream.max_latency_ms();
+  if (stream.jpeg_quality() > 100)
+    return outOfRange("settings.stream.jpeg_quality", text(stream.jpeg_quality()), "[1, 100]");
+  if (stream.jpeg_quality() != 0) settings.jpeg_quality = int(stream.jpeg_quality());
+  if (auto ok = within("settings.stream.max_fps", settings.max_fps, 1, limits.max_fps); !ok) return ok.error();
+  if (auto ok = within("settings.stream.max_latency_ms", settings.max_latency_ms, 10, 60'000); !ok) return ok.error();
+  settings.paused = message.paused();
+  settings.revision = message.revision();
+  if (auto ok = render::check(settings.view); !ok) return inside("settings", ok.error());
+  return settings;
+}
+
+v1::Settings toWire(const ViewerSettings& settings) {
+  const auto& view = settings.view;
+  v1::Settings out;
+  out.set_revision(settings.revision);
+  out.set_width(view.width);
+  out.set_height(view.height);
+  out.set_mode(view.mode == render::Mode::hybrid ? v1::RENDER_MODE_HYBRID : v1::RENDER_MODE_REFERENCE);
+  out.set_primary(view.primary == render::Primary::raster ? v1::PRIMARY_HITS_RASTER : v1::PRIMARY_HITS_TRACED);
+  out.set_bounces(view.bounces);
+  out.set_samples(view.samples);
+  out.mutable_exposure()->set_mode(view.auto_exposure ? v1::EXPOSURE_MODE_AUTOMATIC : v1::EXPOSURE_MODE_FIXED);
+  out.mutable_exposure()->set_ev(view.exposure_ev);
+  out.mutable_stream()->set_max_fps(settings.max_fps);
+  out.mutable_stream()->set_max_latency_ms(settings.max_latency_ms);
+  out.mutable_stream()->set_jpeg_quality(uint32_t(settings.jpeg_quality));
+  out.set_paused(settings.paused);
+  return out;
+}
+
+Outcome<scene::Camera> fromWire(const v1::Camera& message, const std::string& field, const Limits& limits) {
+  const auto& pose = message.pose();
+  if (pose.size() != 7) return outOfRange(field + ".pose", text(pose.size()) + " numbers", "7 numbers");
+  for (int i = 0; i < pose.size(); ++i)
+    if (!std::isfinite(pose[i]))
+      return outOfRange(field + ".pose", text(pose[i]) + " at index " + text(i), "finite numbers");
+  scene::Camera camera;
+  camera.position = {pose[0], pose[1], pose[2]};
+  const float reach = limits.world.max_coordinate;
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(pose[i]) > reach)
+      return outOfRange(field + ".pose", fmt::format("{} at index {}", pose[i], i), fmt::format("[-{0}, {0}]", reach));
+  const glm::quat rotation(pose[6], pose[3], pose[4], pose[5]);
+  const float length = glm::length(rotation);
+  if (!(length > 1e-6f && std::isfinite(length)))
+    return outOfRange(field + ".pose", "a rotation of length " + text(length), "lengths above 1e-6");
+  const glm::quat unit = rotation / length;
+  camera.forward = unit * glm::vec3(0, 0, -1);
+  camera.up = unit * glm::vec3(0, 1, 0);
+  camera.vfov = message.vfov();
+  if (auto ok = render::check(camera); !ok) return inside(field, ok.error());
+  return camera;
+}
+
+v1::Camera toWire(const scene::Camera& camera) {
+  const glm::vec3 forward = glm::normalize(camera.forward);
+  // Straight up or down with the usual `up` has no roll of its own: take one.
+  const bool parallel = glm::length(glm::cross(forward, camera.up)) < 1e-4f * glm::length(camera.up);
+  const glm::vec3 up = parallel ? (std::abs(forward.y) > 0.5f ? glm::vec3(0, 0, -1) : glm::vec3(0, 1, 0)) : camera.up;
+  const glm::quat rotation = glm::quatLookAtRH(forward, glm::normalize(up));
+  v1::Camera out;
+  for (const float number :
+       {camera.position.x, camera.position.y, camera.position.z, rotation.x, rotation.y, rotation.z, rotation.w})
+    out.add_pose(number);
+  out.set_vfov(camera.vfov);
+  return out;
+}
+
+Outcome<ShotSettings> fromWire(const v1::RenderRequest& message, const Limits& limits) {
+  ShotSettings shot;
+  auto view = viewSettings(message, "request", limits);
+  if (!view) return view.error();
+  shot.view = *view;
+  if (message.samples() != 0) shot.samples = message.samples();
+  if (auto ok = within("request.samples", shot.samples, 1, limits.max_shot_samples); !ok) return ok.error();
+  switch (message.codec()) {
+    case v1::CODEC_UNSPECIFIED:
+      break;
+    case v1::CODEC_JPEG:
+    case v1::CODEC_PNG:
+    case v1::CODEC_PFM:
+      shot.codec = message.codec();
+      break;
+    default:
+      return outOfRange("request.codec", text(int(message.codec())), "Codec");
+  }
+  shot.view.keep_radiance = shot.codec == v1::CODEC_PFM;
+  if (message.jpeg_quality() > 100) return outOfRange("request.jpeg_quality", text(message.jpeg_quality()), "[1, 100]");
+  if (message.jpeg_quality() != 0) shot.jpeg_quality = int(message.jpeg_quality());
+  if (auto ok = render::check(shot.view); !ok) return inside("request", ok.error());
+  return shot;
+}
+
+Outcome<std::vector<world::Edit>> fromWire(const google::protobuf::RepeatedPtrField<v1::Edit>& messages,
+                                           const Limits& limits) {
+  const uint32_t most = limits.world.max_edits_per_batch;
+  if (messages.empty()) return outOfRange("edits", "empty", range(1, most) + " edits");
+  if (uint32_t(messages.size()) > most)
+    return beyondLimit("edits", text(messages.size()) + " edits", text(most),
+                       text(messages.size()) + " edits are more than the " + text(most) + " of one call; send several");
+  std::vector<world::Edit> edits;
+  edits.reserve(size_t(messages.size()));
+  for (int i = 0; i < messages.size(); ++i) {
+    auto converted = edit(messages[i], "edits[" + text(i) + "]");
+    if (!converted) return converted.error();
+    edits.push_back(std::move(*converted));
+  }
+  return edits;
+}
+
+v1::Bounds toWire(const scene::Aabb& box) {
+  v1::Bounds out;
+  if (box.empty()) return out;
+  *out.mutable_min() = vec(box.min);
+  *out.mutable_max() = vec(box.max);
+  return out;
+}
+
+v1::Sun toWire(const scene::Sun& sun) {
+  v1::Sun out;
+  *out.mutable_direction() = vec(sun.direction);
+  *out.mutable_irradiance() = vec(sun.irradiance);
+  out.set_angular_diameter(sun.angular_diameter);
+  return out;
+}
+
+v1::RayCounts toWire(const render::Rays& rays) {
+  v1::RayCounts out;
+  out.set_primary(rays.primary);
+  out.set_bounce(rays.bounce);
+  out.set_shadow(rays.shadow);
+  out.set_retrace(rays.retrace);
+  return out;
+}
+
+v1::MemoryUse toWire(const render::MemoryUse& memory) {
+  v1::MemoryUse out;
+  out.set_raster(memory.raster);
+  out.set_ray_tracing(memory.ray_tracing);
+  out.set_path_tracing(memory.path_tracing);
+  return out;
+}
+
+v1::FrameTelemetry toWire(const render::FrameStats& stats) {
+  v1::FrameTelemetry out;
+  fillStats(stats, out);
+  out.set_nonfinite(stats.nonfinite);
+  out.set_accumulated(stats.accumulated);
+  out.set_tlas_instances(stats.tlas_instances);
+  out.set_triangles_drawn(stats.triangles_drawn);
+  out.set_exposure(static_cast<float>(stats.exposure));
+  out.set_time(stats.time);
+  return out;
+}
+
+}  // namespace helio::service

@@ -1,0 +1,51 @@
+// The whole server: worlds, viewers, telemetry, health and reflection behind one address.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "base/result.h"
+#include "render/renderer.h"
+#include "scene/city.h"
+#include "service/limits.h"
+#include "store/edit_log.h"
+
+namespace helio::service {
+
+struct ServerConfig {
+  std::string address = "127.0.0.1:7700";  ///< host:port on the loopback interface; port 0 picks a free one
+  std::string version;                     ///< what GetServerInfo says
+  std::filesystem::path gltf_root;         ///< worlds may be made of the glTF files in here; empty: of none
+  unsigned encoder_threads = 2;            ///< at least 1; a 720p frame takes a thread 2 to 3 ms
+  Limits limits;
+  /// The device is lost, or an invariant broke. Called on a world's thread; the process should end with the message.
+  std::function<void(const Error&)> on_fatal;
+};
+
+class Server {
+ public:
+  /// Listens and serves. `renderer` and `log` outlive the server. Errors (invalid): an address that is not loopback,
+  /// for without credentials everybody who reaches the port may build and destroy; (unavailable): an address in use.
+  static Result<std::unique_ptr<Server>> start(ServerConfig config, render::Renderer& renderer, store::EditLog& log);
+  /// drain(), unless that was done.
+  ~Server();
+
+  /// host:port as bound.
+  const std::string& address() const;
+
+  /// What CreateWorld does for a client. Errors likewise.
+  Result<void> createCity(const std::string& world, const scene::CityParameters& parameters);
+
+  /// Tells every viewer, ends every stream, and gives them `grace` to take it in; then cuts what is left.
+  void drain(std::chrono::milliseconds grace = std::chrono::seconds(2));
+
+ private:
+  struct Parts;
+  explicit Server(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace helio::service

@@ -1,0 +1,47 @@
+// What a world renders for: a viewer's stream, or a shot.
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "render/renderer.h"
+#include "service/failure.h"
+#include "telemetry/statistics.h"
+
+namespace helio::service {
+
+using telemetry::Clock;
+
+struct ViewDemand {
+  scene::Camera camera;
+  render::ViewSettings settings;
+};
+
+/// What telemetry shows of a viewer now.
+struct ViewerStatus {
+  uint64_t id = 0;
+  render::ViewSettings settings;
+  telemetry::ViewerCounters counters;
+  uint32_t unacknowledged = 0;
+  uint32_t window = 0;
+  std::optional<Clock::duration> round_trip;
+  std::optional<Clock::time_point> last_acknowledged;
+};
+
+/// Called by the world's tick thread, never under a lock of the world's. None of these may wait for a client.
+class ViewSink {
+ public:
+  virtual ~ViewSink() = default;
+
+  /// From when on a frame is wanted; none: not until the sink wakes its world.
+  virtual std::optional<Clock::time_point> wantedFrom(Clock::time_point now) = 0;
+  /// The tick begins: what to render. deliver() or end() follows, on the same thread.
+  virtual ViewDemand demand(Clock::time_point now) = 0;
+  virtual void deliver(render::Frame frame, Clock::duration tick) = 0;
+  /// No more frames will come.
+  virtual void end(const Failure& failure) = 0;
+  /// Any thread. Shots have none.
+  virtual std::optional<ViewerStatus> status() const { return std::nullopt; }
+};
+
+}  // namespace helio::service

@@ -1,0 +1,55 @@
+// The worlds of this server by name, and how many viewers there may be.
+#pragma once
+
+#include <atomic>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "service/hosted_world.h"
+#include "service/limits.h"
+
+namespace helio::service {
+
+using WorldPtr = std::shared_ptr<HostedWorld>;
+
+/// A place among the server's viewers; given back when it is destroyed.
+using ViewerPlace = std::shared_ptr<void>;
+
+/// Thread-safe.
+class WorldRegistry {
+ public:
+  WorldRegistry(WorldEnvironment environment, const Limits& limits);
+  /// Waits for every world's thread.
+  ~WorldRegistry();
+
+  /// `name` empty: one is chosen. Failures: name (form, taken, still being deleted), max_worlds, draining.
+  Outcome<WorldPtr> create(std::string name, WorldSource source);
+  Outcome<WorldPtr> find(const std::string& name) const;
+  /// By name, ascending; only names after `after`.
+  std::vector<WorldPtr> list(const std::string& after = {}) const;
+  /// Ends its viewers. Failures: unknown world.
+  Outcome<void> remove(const std::string& name);
+
+  /// Failures: max_viewers, draining.
+  Outcome<ViewerPlace> admitViewer();
+
+  /// Ends every viewer; nothing is created or found any more.
+  void drain();
+
+ private:
+  void reap();
+
+  const WorldEnvironment environment_;
+  const Limits& limits_;
+  mutable std::mutex mutex_;
+  std::map<std::string, WorldPtr> worlds_;
+  std::vector<WorldPtr> dying_;  ///< removed, their threads still at work; their names are taken until then
+  bool draining_ = false;
+  uint64_t chosen_names_ = 0;
+  std::shared_ptr<std::atomic<uint32_t>> viewers_ = std::make_shared<std::atomic<uint32_t>>(0);
+};
+
+}  // namespace helio::service
