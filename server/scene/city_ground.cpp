@@ -1,0 +1,335 @@
+// Terrain meshes. Each lattice triangle is cut exactly along kerbs, pavements, paths and fields, so that the painted
+// plan has sharp edges at any distance; neighbouring pieces share their vertices, so that no light leaks between them.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+
+#include "scene/city_plan.h"
+#include "scene/random.h"
+
+namespace helio::scene {
+namespace {
+
+constexpr double kWeld = 2e-4;      // metres: points nearer than this are one
+constexpr double kSliver = 1e-4;    // m^2: smaller pieces are left to the T-junction repair of their neighbours
+constexpr int kCells = static_cast<int>(kTile / kLattice);
+
+/// A convex piece of ground with one paint.
+struct Piece {
+  Polygon polygon;
+  uint32_t surface;
+  glm::dvec2 axis;
+  float raise;
+};
+
+/// A piece of kerb face: the raised side is on the left.
+struct KerbFace {
+  glm::dvec2 a, b;
+  float raise;
+};
+
+/// All distinct points of a tile, found by cell.
+class PointSet {
+ public:
+  explicit PointSet(glm::dvec2 origin) : origin_(origin) {}
+
+  uint32_t weld(const glm::dvec2& p) {
+    const uint32_t found = find(p);
+    if (found != kNone) return found;
+    const auto index = static_cast<uint32_t>(points_.size());
+    points_.push_back(p);
+    // Into every cell that the point touches: lookups then need one cell only.
+    const glm::ivec2 low = cell(p - kWeld * 2.0), high = cell(p + kWeld * 2.0);
+    for (int z = low.y; z <= high.y; ++z) {
+      for (int x = low.x; x <= high.x; ++x) cells_[key({x, z})].push_back(index);
+    }
+    return index;
+  }
+  const glm::dvec2& operator[](uint32_t index) const { return points_[index]; }
+
+  /// Points strictly between a and b on their line, in order. Both lie in the cell of `inside`.
+  std::vector<uint32_t> between(uint32_t a, uint32_t b, const glm::dvec2& inside) const {
+    const glm::dvec2 from = points_[a], edge = points_[b] - from;
+    const double length = glm::length(edge);
+    std::vector<std::pair<double, uint32_t>> found;
+    const auto entry = cells_.find(key(cell(inside)));
+    if (entry == cells_.end() || length < kWeld) return {};
+    const glm::dvec2 along = edge / length;
+    for (uint32_t i : entry->second) {
+      const glm::dvec2 offset = points_[i] - from;
+      const double t = glm::dot(offset, along), off = std::abs(offset.x * along.y - offset.y * along.x);
+      if (i != a && i != b && off < kWeld && t > kWeld && t < length - kWeld) found.push_back({t, i});
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<uint32_t> indices;
+    for (const auto& [t, i] : found) indices.push_back(i);
+    return indices;
+  }
+
+ private:
+  glm::ivec2 cell(const glm::dvec2& p) const { return glm::ivec2(glm::floor((p - origin_) / kLattice)); }
+  static int64_t key(const glm::ivec2& c) { return (int64_t{c.y} + 16) * 64 + c.x + 16; }
+  uint32_t find(const glm::dvec2& p) const {
+    const auto entry = cells_.find(key(cell(p)));
+    if (entry == cells_.end()) return kNone;
+    for (uint32_t i : entry->second) {
+      if (glm::distance(points_[i], p) < kWeld) return i;
+    }
+    return kNone;
+  }
+
+  glm::dvec2 origin_;
+  std::vector<glm::dvec2> points_;
+  std::unordered_map<int64_t, std::vector<uint32_t>> cells_;
+};
+
+/// A block made ready for cutting.
+struct Cutter {
+  const Block* block;
+  Box2 box;
+  std::vector<HalfPlane> outline, kerb;
+  std::vector<size_t> kerb_order;                  ///< wide streets first
+  std::vector<std::vector<HalfPlane>> zones;
+
+  explicit Cutter(const Block& b) : block(&b), box(bounds(b.outline)), outline(halfPlanes(b.outline)), kerb(halfPlanes(b.kerb)) {
+    for (size_t i = 0; i < kerb.size(); ++i) kerb_order.push_back(i);
+    std::stable_sort(kerb_order.begin(), kerb_order.end(), [&](size_t l, size_t r) { return street(l).rank > street(r).rank; });
+    for (const Zone& zone : b.zones) zones.push_back(halfPlanes(zone.polygon));
+  }
+  const Street& street(size_t kerb_edge) const {
+    return block->streetAlong(block->kerb[kerb_edge], block->kerb[(kerb_edge + 1) % block->kerb.size()]);
+  }
+};
+
+/// Cuts the part of `triangle` in one block into painted pieces.
+void cutPieces(const Polygon& triangle, const Cutter& cutter, std::vector<Piece>& pieces, std::vector<KerbFace>& kerbs) {
+  const Block& block = *cutter.block;
+  Polygon rest = clip(triangle, cutter.outline), inner, outer;
+  if (rest.empty()) return;
+  const auto emit = [&](const Polygon& polygon, uint32_t surface, const glm::dvec2& axis, float raise) {
+    if (polygon.size() >= 3 && area(polygon) > kSliver) pieces.push_back({polygon, surface, axis, raise});
+  };
+
+  // Streets: what lies outside the kerb.
+  for (size_t edge : cutter.kerb_order) {
+    split(rest, cutter.kerb[edge], inner, outer);
+    const glm::dvec2 normal = cutter.kerb[edge].normal;
+    if (!outer.empty()) emit(outer, cutter.street(edge).surface, {normal.y, -normal.x}, 0.0f);
+    rest.swap(inner);
+    if (rest.empty()) return;
+  }
+  if (block.raise > 0.0f) {
+    for (size_t i = 0; i < rest.size(); ++i) {
+      const glm::dvec2 a = rest[i], b = rest[(i + 1) % rest.size()];
+      for (const HalfPlane& plane : cutter.kerb) {
+        const bool on_kerb = std::abs(plane.distance(a)) < 1e-6 && std::abs(plane.distance(b)) < 1e-6;
+        if (on_kerb && glm::distance(a, b) > kWeld) kerbs.push_back({a, b, block.raise});
+      }
+    }
+  }
+
+  // Zones in order, then pavement on what no zone covers.
+  std::vector<Polygon> open{rest}, next;
+  for (size_t z = 0; z < cutter.zones.size() && !open.empty(); ++z) {
+    next.clear();
+    for (Polygon& polygon : open) {
+      for (const HalfPlane& plane : cutter.zones[z]) {
+        split(polygon, plane, inner, outer);
+        if (!outer.empty()) next.push_back(outer);
+        polygon.swap(inner);
+        if (polygon.empty()) break;
+      }
+      if (!polygon.empty()) emit(polygon, block.zones[z].surface, block.zones[z].axis, block.raise);
+    }
+    open.swap(next);
+  }
+  const glm::dvec2 edge = glm::normalize(block.outline[1] - block.outline[0]);
+  for (const Polygon& polygon : open) emit(polygon, block.pavement, edge, block.raise);
+}
+
+/// Collects vertices and triangles of one tile by material.
+class TileBuilder {
+ public:
+  TileBuilder(const CityPlan& plan, const Palette& palette, glm::dvec2 centre, const PointSet& points)
+      : plan_(plan), palette_(palette), centre_(centre), points_(points) {}
+
+  void add(const Piece& piece, const std::vector<uint32_t>& ring, bool fan_from_middle) {
+    const uint64_t paint = hash64((uint64_t{piece.surface} << 32) ^ static_cast<uint64_t>(static_cast<int64_t>(piece.axis.x * 1e6) * 31) ^
+                                  static_cast<uint64_t>(piece.raise * 1000.0f));
+    std::vector<uint32_t>& indices = by_material_[piece.surface];
+    std::vector<uint32_t> corners;
+    for (uint32_t i : ring) corners.push_back(vertex(piece, points_[i], hash64(paint, i)));
+    // (x, z) counter-clockwise is clockwise seen from above: triangles run the other way round.
+    if (fan_from_middle) {
+      const uint32_t middle = vertex(piece, centroid(piece.polygon), hash64(hash64(paint, ring[0]), ~uint64_t{ring[1]}));
+      for (size_t i = 0; i < corners.size(); ++i) {
+        indices.insert(indices.end(), {middle, corners[(i + 1) % corners.size()], corners[i]});
+      }
+    } else {
+      for (size_t i = 1; i + 1 < corners.size(); ++i) indices.insert(indices.end(), {corners[0], corners[i + 1], corners[i]});
+    }
+  }
+
+  void addKerb(const KerbFace& face) {
+    const glm::dvec2 along = glm::normalize(face.b - face.a);
+    const glm::vec3 outward(along.y, 0.0f, -along.x);
+    const auto corner = [&](const glm::dvec2& p, float raise) {
+      mesh_.positions.push_back(position(p, raise));
+      mesh_.normals.push_back(outward);
+      mesh_.uvs.push_back({static_cast<float>(glm::dot(p - centre_, along)), -raise});
+      return static_cast<uint32_t>(mesh_.positions.size() - 1);
+    };
+    const uint32_t a0 = corner(face.a, 0.0f), a1 = corner(face.a, face.raise), b0 = corner(face.b, 0.0f), b1 = corner(face.b, face.raise);
+    std::vector<uint32_t>& indices = by_material_[palette_.kerb];
+    indices.insert(indices.end(), {a0, a1, b1, a0, b1, b0});
+  }
+
+  Mesh build(std::string name) {
+    mesh_.name = std::move(name);
+    for (const auto& [material, list] : by_material_) {
+      mesh_.submeshes.push_back({static_cast<uint32_t>(mesh_.indices.size()), static_cast<uint32_t>(list.size()), material});
+      mesh_.indices.insert(mesh_.indices.end(), list.begin(), list.end());
+    }
+    mesh_.finish();
+    return std::move(mesh_);
+  }
+
+ private:
+  glm::vec3 position(const glm::dvec2& p, float raise) const {
+    const double y = plan_.ground.height(p) + static_cast<double>(raise);
+    return glm::vec3(glm::dvec3(p.x - centre_.x, y, p.y - centre_.y));
+  }
+  uint32_t vertex(const Piece& piece, const glm::dvec2& p, uint64_t key) {
+    const auto [entry, fresh] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
+    if (fresh) {
+      const glm::dvec2 side{-piece.axis.y, piece.axis.x}, metres = palette_.metres[piece.surface];
+      const auto uv = [&](const glm::dvec2& q) { return glm::dvec2(glm::dot(q, piece.axis), glm::dot(q, side)) / metres; };
+      mesh_.positions.push_back(position(p, piece.raise));
+      mesh_.normals.push_back(plan_.ground.normal(p));
+      mesh_.uvs.push_back(glm::vec2(uv(p) - glm::floor(uv(centre_))));  // whole repetitions off: small numbers, no seam
+    }
+    return entry->second;
+  }
+
+  const CityPlan& plan_;
+  const Palette& palette_;
+  glm::dvec2 centre_;
+  const PointSet& points_;
+  Mesh mesh_;
+  std::map<uint32_t, std::vector<uint32_t>> by_material_;
+  std::unordered_map<uint64_t, uint32_t> vertices_;
+};
+
+Mesh buildTile(const CityPlan& plan, const Palette& palette, const std::vector<const Cutter*>& cutters, glm::dvec2 origin, std::string name) {
+  PointSet points(origin);
+  struct Cell { std::vector<Piece> pieces; std::vector<std::vector<uint32_t>> rings; std::vector<KerbFace> kerbs; bool own; };
+  std::vector<Cell> triangles;
+  // Cut this tile's triangles and those just across its border, whose cuts put vertices on the border too.
+  for (int z = -1; z <= kCells; ++z) {
+    for (int x = -1; x <= kCells; ++x) {
+      const glm::dvec2 a = origin + glm::dvec2(x, z) * kLattice, c = a + kLattice;
+      const glm::dvec2 b{c.x, a.y}, d{a.x, c.y};
+      for (const Polygon& triangle : {Polygon{a, b, c}, Polygon{a, c, d}}) {
+        Cell cell;
+        cell.own = x >= 0 && z >= 0 && x < kCells && z < kCells;
+        const Box2 box = bounds(triangle);
+        for (const Cutter* cutter : cutters) {
+          if (cutter->box.overlaps(box)) cutPieces(triangle, *cutter, cell.pieces, cell.kerbs);
+        }
+        for (const Piece& piece : cell.pieces) {
+          std::vector<uint32_t> ring;
+          for (const glm::dvec2& p : piece.polygon) {
+            const uint32_t i = points.weld(p);
+            if (ring.empty() || (ring.back() != i && ring.front() != i)) ring.push_back(i);
+          }
+          cell.rings.push_back(std::move(ring));
+        }
+        if (!cell.pieces.empty()) triangles.push_back(std::move(cell));
+      }
+    }
+  }
+  TileBuilder builder(plan, palette, origin + 0.5 * kTile, points);
+  for (const Cell& cell : triangles) {
+    if (!cell.own) continue;
+    for (size_t i = 0; i < cell.pieces.size(); ++i) {
+      const std::vector<uint32_t>& corners = cell.rings[i];
+      if (corners.size() < 3) continue;
+      const glm::dvec2 inside = centroid(cell.pieces[i].polygon);
+      std::vector<uint32_t> ring;
+      for (size_t k = 0; k < corners.size(); ++k) {
+        ring.push_back(corners[k]);
+        const auto extra = points.between(corners[k], corners[(k + 1) % corners.size()], inside);
+        ring.insert(ring.end(), extra.begin(), extra.end());
+      }
+      builder.add(cell.pieces[i], ring, ring.size() > corners.size());
+    }
+    for (const KerbFace& kerb : cell.kerbs) builder.addKerb(kerb);
+  }
+  return builder.build(std::move(name));
+}
+
+/// One side of the bare hills around the world: rows of the border's points, pushed further and further out.
+Mesh buildApron(const CityPlan& plan, const Palette& palette, int side, std::string name) {
+  constexpr int kRows = 14;
+  const double half = plan.site.half();
+  const auto count = static_cast<int>(plan.site.side / kLattice);
+  const glm::dvec2 along = unitVector(0.25 * side), outward{along.y, -along.x};
+  Mesh mesh;
+  mesh.name = std::move(name);
+  const double metres = static_cast<double>(palette.metres[palette.hill].x);
+  for (int row = 0; row <= kRows; ++row) {
+    const double t = static_cast<double>(row) / kRows, scale = (half + plan.site.apron * t * t) / half;
+    for (int i = 0; i <= count; ++i) {
+      const glm::dvec2 p = scale * (along * (-half + kLattice * i) + outward * half);
+      mesh.positions.push_back(glm::vec3(glm::dvec3(p.x, plan.ground.height(p), p.y)));
+      mesh.normals.push_back(plan.ground.normal(p));
+      mesh.uvs.push_back(glm::vec2(p / metres));
+    }
+  }
+  const auto width = static_cast<uint32_t>(count + 1);
+  for (uint32_t row = 0; row < kRows; ++row) {
+    for (uint32_t i = 0; i + 1 < width; ++i) {
+      const uint32_t a = row * width + i, b = a + 1, c = a + width, d = c + 1;
+      mesh.indices.insert(mesh.indices.end(), {a, b, c, b, d, c});
+    }
+  }
+  mesh.submeshes = {{0, static_cast<uint32_t>(mesh.indices.size()), palette.hill}};
+  mesh.finish();
+  return mesh;
+}
+
+}  // namespace
+
+Ground buildGround(const CityPlan& plan, const Palette& palette) {
+  std::vector<Cutter> cutters;
+  cutters.reserve(plan.blocks.size());
+  for (const Block& block : plan.blocks) cutters.emplace_back(block);
+  const auto tiles = static_cast<int>(plan.site.side / kTile);
+  std::vector<std::vector<const Cutter*>> by_tile(static_cast<size_t>(tiles * tiles));
+  for (const Cutter& cutter : cutters) {
+    // A tile also cuts the triangles around it: take its neighbourhood of one lattice square.
+    const auto index = [&](double v) { return std::clamp(static_cast<int>(std::floor((v + plan.site.half()) / kTile)), 0, tiles - 1); };
+    for (int z = index(cutter.box.min.y - kLattice); z <= index(cutter.box.max.y + kLattice); ++z) {
+      for (int x = index(cutter.box.min.x - kLattice); x <= index(cutter.box.max.x + kLattice); ++x) {
+        by_tile[static_cast<size_t>(z * tiles + x)].push_back(&cutter);
+      }
+    }
+  }
+  Ground ground;
+  for (int z = 0; z < tiles; ++z) {
+    for (int x = 0; x < tiles; ++x) {
+      const glm::dvec2 origin = glm::dvec2(x, z) * kTile - plan.site.half();
+      const std::string name = "terrain_" + std::to_string(x) + "_" + std::to_string(z);
+      ground.meshes.push_back(buildTile(plan, palette, by_tile[static_cast<size_t>(z * tiles + x)], origin, name));
+      ground.centres.push_back(origin + 0.5 * kTile);
+    }
+  }
+  for (int side = 0; side < 4; ++side) {
+    ground.meshes.push_back(buildApron(plan, palette, side, "terrain_hills_" + std::to_string(side)));
+    ground.centres.push_back(glm::dvec2(0.0));
+  }
+  return ground;
+}
+
+}  // namespace helio::scene
