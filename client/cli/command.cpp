@@ -1,0 +1,43 @@
+#include "cli/command.h"
+
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <numbers>
+
+namespace helio::cli {
+
+Size parseSize(const std::string& text) {
+  Size size;
+  char more;
+  if (std::sscanf(text.c_str(), "%ux%u%c", &size.width, &size.height, &more) != 2)
+    throw Stop{"--size is \"" + text + "\"; give WIDTHxHEIGHT in pixels, such as 640x360"};
+  return size;
+}
+
+v1::PrimaryHits parsePrimary(const std::string& text) {
+  return text == "traced" ? v1::PRIMARY_HITS_TRACED : v1::PRIMARY_HITS_RASTER;
+}
+
+v1::RenderMode parseMode(const std::string& text) {
+  return text == "reference" ? v1::RENDER_MODE_REFERENCE : v1::RENDER_MODE_HYBRID;
+}
+
+void print(const Json& document) { std::cout << document.dump(2) << "\n"; }
+
+void writeFile(const std::string& path, const std::string& bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file.flush()) throw Stop{"cannot write " + path + "; does its folder exist, and is there space?"};
+}
+
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
+void addCommon(CLI::App& command, Common& common, bool json) {
+  command.add_option("--server", common.server, "host:port of the server")
+      ->envname("HELIOGRAPH_SERVER")
+      ->capture_default_str();
+  if (json) command.add_flag("--json", common.json, "print one JSON document with a schema field");
+}
+
+}  // namespace helio::cli

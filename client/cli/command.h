@@ -1,0 +1,69 @@
+// What all commands of helio share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "lib/connection.h"
+
+namespace helio::cli {
+
+namespace v1 = heliograph::v1;
+
+/// Keeps the order in which fields are put in: people read the output too.
+using Json = nlohmann::ordered_json;
+
+/// Flags of every command.
+struct Common {
+  std::string server = "127.0.0.1:7700";
+  bool json = false;
+};
+
+/// Thrown by commands, caught by main: one line on standard error, exit status 1.
+struct Stop {
+  std::string message;
+};
+
+/// The value, or Stop with the error's message.
+template <typename T>
+T get(Result<T> result) {
+  if (!result) throw Stop{result.error().message};
+  return std::move(*result);
+}
+inline void get(Result<void> result) {
+  if (!result) throw Stop{result.error().message};
+}
+
+/// "640x360". Stops on anything else.
+struct Size {
+  uint32_t width = 640, height = 360;
+};
+Size parseSize(const std::string& text);
+
+/// "raster" or "traced"; "hybrid" or "reference".
+v1::PrimaryHits parsePrimary(const std::string& text);
+v1::RenderMode parseMode(const std::string& text);
+
+/// Prints a document with its schema.
+void print(const Json& document);
+
+/// Writes a whole file. Stops when it cannot.
+void writeFile(const std::string& path, const std::string& bytes);
+
+double radians(double degrees);
+
+/// Adds --server and --json to a command.
+void addCommon(CLI::App& command, Common& common, bool json = true);
+
+// Each adds one command; what it does runs when it was parsed.
+void addWorlds(CLI::App& app, Common& common);
+void addPrefabs(CLI::App& app, Common& common);
+void addEdit(CLI::App& app, Common& common);
+void addShot(CLI::App& app, Common& common);
+void addView(CLI::App& app, Common& common);
+void addTop(CLI::App& app, Common& common);
+
+}  // namespace helio::cli

@@ -1,0 +1,170 @@
+// helio worlds, helio prefabs: what there is.
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/progress.h"
+
+namespace helio::cli {
+namespace {
+
+const char* nameOf(v1::WorldState state) {
+  switch (state) {
+    case v1::WORLD_STATE_LOADING:
+      return "loading";
+    case v1::WORLD_STATE_READY:
+      return "ready";
+    case v1::WORLD_STATE_FAILED:
+      return "failed";
+    default:
+      return "unknown";
+  }
+}
+
+Json vec(const v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+Json describe(const v1::World& world) {
+  Json out = {{"world", world.world()},     {"state", nameOf(world.state())},
+              {"source", world.source()},   {"instances", world.instances()},
+              {"seq", world.seq()},         {"epoch", world.epoch()},
+              {"viewers", world.viewers()}, {"time", world.time()}};
+  if (!world.error().empty()) out["error"] = world.error();
+  if (world.has_bounds()) out["bounds"] = {{"min", vec(world.bounds().min())}, {"max", vec(world.bounds().max())}};
+  Json cameras = Json::array();
+  for (const auto& named : world.cameras()) {
+    const auto& pose = named.camera().pose();
+    cameras.push_back({{"name", named.name()},
+                       {"description", named.description()},
+                       {"pose", std::vector<float>(pose.begin(), pose.end())},
+                       {"vfov", named.camera().vfov()}});
+  }
+  out["cameras"] = std::move(cameras);
+  return out;
+}
+
+void printLine(const v1::World& world) {
+  std::printf("%-20s %-8s %9llu instances  seq %-6llu %u viewers  %s\n", world.world().c_str(), nameOf(world.state()),
+              static_cast<unsigned long long>(world.instances()), static_cast<unsigned long long>(world.seq()),
+              world.viewers(), world.error().empty() ? world.source().c_str() : world.error().c_str());
+}
+
+void show(const Common& common, const v1::World& world) {
+  if (common.json) {
+    Json document = {{"schema", "heliograph.world/1"}};
+    document.update(describe(world));
+    return print(document);
+  }
+  printLine(world);
+  for (const auto& camera : world.cameras())
+    std::printf("  camera %-20s %s\n", camera.name().c_str(), camera.description().c_str());
+}
+
+struct CreateOptions {
+  std::string name, gltf;
+  uint32_t city = 0;
+  uint64_t seed = 1;
+  bool no_wait = false;
+};
+
+void create(const Common& common, const CreateOptions& options) {
+  if ((options.city != 0) == !options.gltf.empty()) throw Stop{"give either --city INSTANCES or --gltf PATH"};
+  client::Connection connection(common.server);
+  v1::CreateWorldRequest request;
+  request.set_world(options.name);
+  if (options.city != 0) {
+    request.mutable_city()->set_instances(options.city);
+    request.mutable_city()->set_seed(options.seed);
+  } else {
+    request.mutable_gltf()->set_path(options.gltf);
+  }
+  auto world = get(connection.createWorld(request));
+  if (!options.no_wait) {
+    Spinner spinner("loading " + world.world());
+    world = get(connection.readyWorld(world.world(), [&] { spinner.turn(); }));
+  }
+  show(common, world);
+}
+
+}  // namespace
+
+void addWorlds(CLI::App& app, Common& common) {
+  auto* worlds = app.add_subcommand("worlds", "List, create, show and delete worlds.");
+  worlds->require_subcommand(1);
+  worlds->footer(R"(Examples:
+  helio worlds list
+  helio worlds create city --city 10000 --seed 7
+  helio worlds create house --gltf house.glb      (a file under the server's --gltf-root)
+  helio worlds show city --json
+  helio worlds delete city)");
+
+  auto* list = worlds->add_subcommand("list", "All worlds of the server.");
+  addCommon(*list, common);
+  list->callback([&common] {
+    client::Connection connection(common.server);
+    const auto all = get(connection.worlds());
+    if (common.json) {
+      Json document = {{"schema", "heliograph.worlds/1"}, {"worlds", Json::array()}};
+      for (const auto& world : all) document["worlds"].push_back(describe(world));
+      return print(document);
+    }
+    for (const auto& world : all) printLine(world);
+  });
+
+  auto options = std::make_shared<CreateOptions>();
+  auto* make = worlds->add_subcommand("create", "Make a world, and wait until it is loaded.");
+  addCommon(*make, common);
+  make->add_option("name", options->name, "its name; the server chooses one when there is none");
+  make->add_option("--city", options->city, "a city of so many instances, 1,000 to 1,000,000");
+  make->add_option("--seed", options->seed, "of the city")->capture_default_str();
+  make->add_option("--gltf", options->gltf, "a glTF file, relative to the server's glTF folder");
+  make->add_flag("--no-wait", options->no_wait, "do not wait until it is loaded");
+  make->callback([&common, options] { create(common, *options); });
+
+  auto name = std::make_shared<std::string>();
+  auto* one = worlds->add_subcommand("show", "One world, with its cameras.");
+  addCommon(*one, common);
+  one->add_option("name", *name)->required();
+  one->callback([&common, name] {
+    client::Connection connection(common.server);
+    show(common, get(connection.world(*name)));
+  });
+
+  auto* remove = worlds->add_subcommand("delete", "Forget a world and its edits; its viewers are told.");
+  addCommon(*remove, common, false);
+  remove->add_option("name", *name)->required();
+  remove->callback([&common, name] {
+    client::Connection connection(common.server);
+    get(connection.deleteWorld(*name));
+  });
+}
+
+void addPrefabs(CLI::App& app, Common& common) {
+  auto world = std::make_shared<std::string>();
+  auto* prefabs = app.add_subcommand("prefabs", "What can be built in a world.");
+  addCommon(*prefabs, common);
+  prefabs->add_option("world", *world)->required();
+  prefabs->footer("Examples:\n  helio prefabs city\n  helio prefabs city --json");
+  prefabs->callback([&common, world] {
+    client::Connection connection(common.server);
+    const auto all = get(connection.prefabs(*world));
+    if (common.json) {
+      Json document = {{"schema", "heliograph.prefabs/1"}, {"world", *world}, {"prefabs", Json::array()}};
+      for (const auto& prefab : all)
+        document["prefabs"].push_back(
+            {{"name", prefab.name()},
+             {"category", prefab.category()},
+             {"buildable", prefab.buildable()},
+             {"triangles", prefab.triangles()},
+             {"instances", prefab.instances()},
+             {"bounds", {{"min", vec(prefab.bounds().min())}, {"max", vec(prefab.bounds().max())}}}});
+      return print(document);
+    }
+    for (const auto& prefab : all)
+      std::printf("%-24s %-12s %6u triangles %9llu instances%s\n", prefab.name().c_str(), prefab.category().c_str(),
+                  prefab.triangles(), static_cast<unsigned long long>(prefab.instances()),
+                  prefab.buildable() ? "" : "  (not buildable)");
+  });
+}
+
+}  // namespace helio::cli
