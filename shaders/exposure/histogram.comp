@@ -14,8 +14,13 @@ void main() {
   bins[gl_LocalInvocationIndex] = 0u;
   barrier();
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-  if (pixel.x < int(frame.width) && pixel.y < int(frame.height))
-    atomicAdd(bins[binOf(luminance(imageLoad(images_rgba32f[push.source], pixel).rgb))], 1u);
+  if (pixel.x < int(frame.width) && pixel.y < int(frame.height)) {
+    const float position = binPosition(luminance(imageLoad(images_rgba32f[push.source], pixel).rgb));
+    const uint bin = uint(position);
+    const uint upper = bin == 0u ? 0u : uint(float(kParts) * fract(position) + 0.5);
+    atomicAdd(bins[bin], kParts - upper);
+    if (upper > 0u) atomicAdd(bins[bin + 1u], upper);
+  }
   barrier();
   const uint count = bins[gl_LocalInvocationIndex];
   if (count > 0u) atomicAdd(ViewStateRef(frame.view_state).state.histogram[gl_LocalInvocationIndex], count);

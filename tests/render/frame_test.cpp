@@ -1,0 +1,203 @@
+// The frame's promises: primaries agree, the same ticks give the same bytes, absent effects cost nothing, bad input is refused.
+#include <cmath>
+#include <limits>
+
+#include "support/scenes.h"
+#include "support/stage.h"
+
+namespace helio::test {
+namespace {
+
+using render::Mode;
+using render::Primary;
+
+render::ViewSettings live(Primary primary) {
+  render::ViewSettings settings;
+  settings.width = 160;
+  settings.height = 90;
+  settings.primary = primary;
+  settings.accumulate = false;
+  settings.auto_exposure = false;
+  return settings;
+}
+
+const scene::Camera kCamera = lookAt({0.5f, 1.6f, 4.0f}, {0, 0.5f, 0}, 0.8f);
+
+TEST(Frame, RasterisedAndTracedPrimaryHitsAgree) {
+  const scene::ScenePtr scene = stillLife();
+  std::vector<uint8_t> pictures[2];
+  for (const Primary primary : {Primary::raster, Primary::traced}) {
+    Stage stage(scene);  // a fresh view: the same seeds
+    const render::Frame frame = stage.tick(kCamera, live(primary));
+    pictures[primary == Primary::traced] = bytes(frame);
+    showPicture(frame, primary == Primary::traced ? "primary_traced" : "primary_raster");
+  }
+  // Same pixel, same triangle, same random numbers: the same colour, except where an edge falls on either side.
+  size_t different = 0;
+  for (size_t i = 0; i < pictures[0].size(); i += 4) {
+    int most = 0;
+    for (size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(pictures[0][i + c] - pictures[1][i + c]));
+    different += most > 4;
+  }
+  EXPECT_LT(different, pictures[0].size() / 4 / 100) << "of " << pictures[0].size() / 4 << " pixels";
+}
+
+TEST(Frame, TheSameTickLogGivesTheSameBytes) {
+  const scene::ScenePtr scene = stillLife();
+  std::vector<std::vector<uint8_t>> runs[2];
+  for (auto& run : runs) {
+    Stage stage(scene);
+    render::ViewSettings settings = live(Primary::raster);
+    settings.accumulate = settings.auto_exposure = true;
+    for (int i = 0; i < 6; ++i) {
+      if (i == 2) stage.edit({world::Build{"box", {{{2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}, {{-2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}}}});
+      if (i == 4) stage.edit({world::Destroy{{2}}});
+      run.push_back(bytes(stage.tick(lookAt({0.5f + 0.1f * static_cast<float>(i / 2), 1.6f, 4.0f}, {0, 0.5f, 0}), settings)));
+    }
+  }
+  for (size_t i = 0; i < runs[0].size(); ++i) EXPECT_EQ(runs[0][i], runs[1][i]) << "tick " << i;
+  EXPECT_NE(runs[0][1], runs[0][2]) << "the edit is not seen";
+}
+
+TEST(Frame, AReferenceImageIsAFunctionOfItsInputsAlone) {
+  const scene::ScenePtr scene = stillLife();
+  Stage fresh(scene), used(scene);
+  const render::ViewSettings settings = referenceSettings(64, 36);
+  used.accumulate(lookAt({3, 3, 3}, {0, 0, 0}), live(Primary::raster), 3);
+  used.accumulate(lookAt({2, 3, 3}, {0, 0, 0}), settings, 2);
+  EXPECT_EQ(bytes(fresh.accumulate(kCamera, settings, 4)), bytes(used.accumulate(kCamera, settings, 4)));
+}
+
+TEST(Frame, AbsentEffectsRecordNothing) {
+  SceneBuilder b;
+  const uint32_t plane = b.prefab("plane", quad(10.0f), b.material(lambert(glm::vec3(0.5f))));
+  b.prefab("lamp", quad(0.5f), b.material(lambert(glm::vec3(0.0f), glm::vec3(10.0f))));
+  b.place(plane);
+  b.environment().sky = {glm::vec3(1.0f), glm::vec3(1.0f)};
+  Stage stage(b.build());
+  const scene::Camera camera = lookAt({0, 3, 3}, {0, 0, 0});
+
+  // No sun, nothing shines, fixed exposure, no accumulation: none of their passes, no shadow ray, no effect in the telemetry.
+  render::Frame frame = stage.tick(camera, live(Primary::raster));
+  EXPECT_TRUE(recorded(frame, "assemble"));
+  EXPECT_TRUE(recorded(frame, "path_trace"));
+  for (const char* absent : {"emitters", "histogram", "exposure", "accumulate", "primary_traced", "log_rays", "bare_trace"})
+    EXPECT_FALSE(recorded(frame, absent)) << absent;
+  EXPECT_TRUE(frame.stats.effects.empty());
+  EXPECT_EQ(frame.stats.rays.shadow, 0u);
+  EXPECT_GT(frame.stats.rays.bounce, 0u);
+
+  // Nothing changed: the acceleration structure is not touched.
+  frame = stage.tick(camera, live(Primary::raster));
+  for (const char* absent : {"instances", "assemble", "tlas"}) EXPECT_FALSE(recorded(frame, absent)) << absent;
+
+  // A lamp is built: its effect and its pass appear with it, and go with it.
+  stage.edit({world::Build{"lamp", {{{0, 2, 0}, {1, 0, 0, 0}, 1.0f}}}});
+  frame = stage.tick(camera, live(Primary::raster));
+  EXPECT_TRUE(recorded(frame, "emitters"));
+  ASSERT_EQ(frame.stats.effects.size(), 1u);
+  EXPECT_EQ(frame.stats.effects[0].name, "emissive_triangles");
+  EXPECT_EQ(frame.stats.effects[0].instances, 1u);
+  EXPECT_GT(frame.stats.rays.shadow, 0u);
+  stage.edit({world::Destroy{{2}}});
+  frame = stage.tick(camera, live(Primary::raster));
+  EXPECT_FALSE(recorded(frame, "emitters"));
+  EXPECT_TRUE(frame.stats.effects.empty());
+  EXPECT_EQ(frame.stats.rays.shadow, 0u);
+}
+
+TEST(Frame, EditsAreSeen) {
+  Stage stage(stillLife());
+  const render::ViewSettings settings = referenceSettings(64, 36);
+  const render::Frame before = stage.accumulate(kCamera, settings, 8);
+  stage.edit({world::DestroyRegion{{1.6f, -1.0f}, 0.5f}});
+  const render::Frame bare = stage.accumulate(kCamera, settings, 8);
+  EXPECT_EQ(bare.stats.applied_seq, 1u);
+  EXPECT_LT(bare.stats.tlas_instances, before.stats.tlas_instances);
+  EXPECT_NE(bytes(before), bytes(bare));
+  scene::Sun night;
+  stage.edit({world::SetSun{night, false}});
+  EXPECT_LT(mean(stage.accumulate(kCamera, settings, 8)).x, mean(bare).x);
+}
+
+TEST(Frame, AnEmptyWorldShowsTheSky) {
+  Stage stage(stillLife());
+  std::vector<world::InstanceId> all;
+  for (uint64_t id = 1; id <= stage.world().instanceCount(); ++id) all.push_back(id);
+  stage.edit({world::Destroy{all}});
+  for (const Primary primary : {Primary::raster, Primary::traced}) {
+    const render::Frame frame = stage.tick(kCamera, live(primary));
+    EXPECT_EQ(frame.stats.tlas_instances, 0u);
+    EXPECT_EQ(frame.stats.rays.bounce, 0u);
+  }
+}
+
+TEST(Frame, SeveralViewsOfOneWorldDoNotDisturbEachOther) {
+  const scene::ScenePtr scene = stillLife();
+  Stage alone(scene);
+  const render::Frame expected = alone.tick(kCamera, live(Primary::raster));
+
+  world::World world(scene);
+  const auto handle = *renderer().addWorld(scene);
+  const auto first = *renderer().addView(handle), second = *renderer().addView(handle);
+  render::ViewSettings large = live(Primary::traced);
+  large.width = 200;
+  const render::ViewRequest requests[] = {{first, kCamera, live(Primary::raster)}, {second, lookAt({-3, 2, 2}, {0, 0, 0}), large}};
+  auto frames = renderer().tick(handle, world.beginTick(0.1), requests);
+  ASSERT_TRUE(frames.ok()) << frames.error().message;
+  EXPECT_EQ(bytes(frames->at(0)), bytes(expected));
+  EXPECT_EQ(frames->at(1).pixels->width, 200u);
+  EXPECT_TRUE(recorded(frames->at(0), "primary_raster"));
+  EXPECT_FALSE(recorded(frames->at(0), "primary_traced"));
+  EXPECT_TRUE(recorded(frames->at(1), "primary_traced"));
+  // A picture outlives its view and its world.
+  renderer().removeView(first);
+  renderer().removeWorld(handle);
+  EXPECT_EQ(bytes(frames->at(0)), bytes(expected));
+}
+
+TEST(Frame, BadInputIsRefusedByName) {
+  Stage stage(stillLife());
+  (void)stage.tick(kCamera, live(Primary::raster));
+  scene::Camera camera = kCamera;
+  camera.position.x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(render::check(camera).error().field, "camera.position");
+  camera = kCamera;
+  camera.up = camera.forward;
+  EXPECT_EQ(render::check(camera).error().field, "camera.up");
+  camera = kCamera;
+  camera.vfov = 0.0f;
+  EXPECT_EQ(render::check(camera).error().field, "camera.vfov");
+  for (const auto& [width, height, field] : {std::tuple{0u, 0u, "settings.width"}, {20000u, 20000u, "settings.width"}, {64u, 8u, "settings.height"}}) {
+    render::ViewSettings settings;
+    settings.width = width;
+    settings.height = height;
+    const auto result = render::check(settings);
+    ASSERT_FALSE(result.ok());
+    EXPECT_EQ(result.error().field, field);
+    EXPECT_EQ(result.error().kind, ErrorKind::invalid);
+  }
+}
+
+TEST(Frame, AutomaticExposureBringsAnyLightToTheSamePicture) {
+  double brightness[2];
+  for (int i = 0; i < 2; ++i) {
+    SceneBuilder b;
+    b.place(b.prefab("plane", quad(100.0f), b.material(lambert(glm::vec3(0.5f)))));
+    const glm::vec3 sky(i ? 1000.0f : 0.001f);
+    b.environment().sky = {sky, sky};
+    Stage stage(b.build());
+    render::ViewSettings settings = live(Primary::raster);
+    settings.auto_exposure = true;
+    const std::vector<uint8_t> picture = bytes(stage.accumulate(lookAt({0, 5, 0}, {0, 0, 0}), settings, 2));
+    brightness[i] = 0.0;
+    for (size_t p = 0; p < picture.size(); p += 4) brightness[i] += picture[p];
+    brightness[i] /= static_cast<double>(picture.size() / 4);
+  }
+  EXPECT_NEAR(brightness[0], brightness[1], 3.0);
+  EXPECT_GT(brightness[0], 90.0);
+  EXPECT_LT(brightness[0], 160.0);
+}
+
+}  // namespace
+}  // namespace helio::test
