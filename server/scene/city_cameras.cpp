@@ -18,13 +18,14 @@ Camera lookAt(const CityPlan& plan, const glm::dvec2& position, double height, c
   return {glm::vec3(from), glm::vec3(glm::normalize(to - from)), {0.0f, 1.0f, 0.0f}, kFieldOfView};
 }
 
-/// How far the woods reach from `from` along `direction`, in metres.
+/// How far the woods reach from `from` along `direction` without a break, in metres.
 double woodsAlong(const Site& site, const glm::dvec2& from, const glm::dvec2& direction) {
   double reach = 0.0;
   for (double t = 8.0;; t += 8.0) {
     const glm::dvec2 p = from + direction * t;
     if (std::max(std::abs(p.x), std::abs(p.y)) > site.half()) return reach;
-    reach += site.urbanity(p) < 0.0 && site.woodland(p) > 0.0 ? 8.0 : 0.0;
+    if (site.urbanity(p) > -0.05 || site.woodland(p) < 0.0) return reach;
+    reach += 8.0;
   }
 }
 
@@ -32,29 +33,53 @@ struct WoodsView {
   glm::dvec2 position{0.0}, direction{1.0, 0.0}, deep{0.0};
 };
 
-/// A place at the woods' border with the deepest woods in front of it, and the place furthest from any border.
+/// A place with the longest stretch of woods in front of it, and the place furthest from any border of the woods.
 WoodsView findWoods(const CityPlan& plan) {
+  constexpr int kDirections = 24;
   WoodsView view;
-  double longest = -1.0, deepest = -1e300;
+  double longest = -1.0, deepest = -1.0;
   for (const Block& block : plan.blocks) {
     if (block.use != Use::forest || block.lot.size() < 3) continue;
     const glm::dvec2 middle = centroid(block.lot);
-    const double margin = std::min(plan.site.half() - std::max(std::abs(middle.x), std::abs(middle.y)), 0.12 * plan.site.side);
-    const double depth = plan.site.woodland(middle) + 4.0 * margin / plan.site.side;
-    if (depth > deepest) {
-      deepest = depth;
-      view.deep = middle;
-    }
-    for (int i = 0; i < 24; ++i) {
-      const glm::dvec2 direction = unitVector(i / 24.0);
+    double nearest_border = 1e300;
+    for (int i = 0; i < kDirections; ++i) {
+      const glm::dvec2 direction = unitVector(static_cast<double>(i) / kDirections);
       const double reach = woodsAlong(plan.site, middle, direction);
+      nearest_border = std::min(nearest_border, reach);
       if (reach <= longest) continue;
       longest = reach;
       view.position = middle;
       view.direction = direction;
     }
+    if (nearest_border <= deepest) continue;
+    deepest = nearest_border;
+    view.deep = middle;
   }
   return view;
+}
+
+/// A direction from the town (in turns, x towards z) in which a camera at `distance` has no landmark close in front of it.
+double freeDirection(const CityPlan& plan, const Furnishing& furnishing, double distance, double preferred) {
+  double best = preferred, best_clearance = -1.0;
+  for (int i = -5; i <= 5; ++i) {
+    const double turns = preferred + 0.02 * i;
+    const glm::dvec2 away = unitVector(turns), position = plan.site.town_centre + away * distance;
+    double clearance = 1.2 * distance;  // what is further off is no obstacle
+    for (const Stand& landmark : furnishing.landmarks) {
+      const glm::dvec2 offset = landmark.position - position;
+      const double aside = std::abs(offset.x * away.y - offset.y * away.x);
+      clearance = std::min(clearance, glm::length(offset) + 1.5 * aside);
+    }
+    if (clearance <= best_clearance) continue;
+    best_clearance = clearance;
+    best = turns;
+  }
+  return best;
+}
+
+/// The sun `aside` turns from the direction `turns` (x towards z), as daylight() counts azimuths.
+Environment daylightAt(float elevation_degrees, double turns, double aside) {
+  return daylight(elevation_degrees * kDegree, static_cast<float>((0.25 - turns - aside) * 6.283185307179586));
 }
 
 }  // namespace
@@ -63,28 +88,36 @@ std::vector<NamedCamera> cityCameras(const CityPlan& plan, const Furnishing& fur
   const Site& site = plan.site;
   const double radius = site.town_radius;
   const glm::dvec2 town = site.town_centre, market = centroid(plan.blocks[plan.market].lot);
-  const Environment noon = daylight(60.0f * kDegree, 0.70f), sunset = daylight(4.0f * kDegree, -1.15f);
-  const Environment morning = daylight(38.0f * kDegree, 2.2f);
   const WoodsView woods = findWoods(plan);
-  const glm::dvec2 south(0.0, 1.0), south_west(-0.42, 0.9075);
-
+  const glm::dvec2 south(0.0, 1.0);
+  const Environment noon = daylightAt(60.0f, 0.32, 0.12), morning = daylightAt(36.0f, -0.15, 0.0);
   std::vector<NamedCamera> cameras;
-  const double over = std::clamp(0.30 * radius, 30.0, 75.0);
+
+  const double tilted_distance = 0.88 * radius, over = std::clamp(0.30 * radius, 33.0, 75.0);
+  const glm::dvec2 tilted = unitVector(freeDirection(plan, furnishing, tilted_distance, 0.32));
   cameras.push_back({"tilted_city", "Over the roofs towards the horizon",
-                     lookAt(plan, town + south_west * (0.80 * radius), over, town - south_west * (0.35 * radius), 2.0), noon});
+                     lookAt(plan, town + tilted * tilted_distance, over, town - tilted * (0.35 * radius), 2.0), noon});
+
   const glm::dvec2 across = market + (market - furnishing.town_view) * 0.25;
   cameras.push_back({"animated_models", "From a balcony at the market square",
                      lookAt(plan, furnishing.town_view, 5.6, across, 3.2), noon});
+
+  const double sunset_distance = 1.02 * radius, edge = std::clamp(0.22 * radius, 27.0, 80.0);
+  const double sunset_turns = freeDirection(plan, furnishing, sunset_distance, 0.20);
   cameras.push_back({"city_at_sunset", "The town from its edge, the sun low at the side",
-                     lookAt(plan, town + glm::dvec2(-0.10, 0.995) * (1.05 * radius), std::clamp(0.24 * radius, 24.0, 80.0), town, 4.0), sunset});
+                     lookAt(plan, town + unitVector(sunset_turns) * sunset_distance, edge, town, 4.0),
+                     daylightAt(4.0f, sunset_turns, 0.19)});
+
   cameras.push_back({"high_above", "The whole town from far above",
                      lookAt(plan, town + south * (1.15 * radius), 1.9 * radius, town + south * (0.08 * radius), 0.0), noon});
-  const double above = std::clamp(0.20 * site.half(), 42.0, 90.0);
+
+  const double above = std::clamp(0.16 * site.half(), 38.0, 70.0);
   cameras.push_back({"forest", "Treetops from above",
                      lookAt(plan, woods.deep - woods.direction * (0.42 * above), above, woods.deep + woods.direction * (0.1 * above), 4.0), morning});
-  const double crest = 27.0;
+
+  const double crest = 29.0;  // metres: above the tallest tree
   cameras.push_back({"tilted_forest", "Over the treetops towards the horizon",
-                     lookAt(plan, woods.position, crest, woods.position + woods.direction * 100.0, crest - 9.0), morning});
+                     lookAt(plan, woods.position, crest, woods.position + woods.direction * 100.0, crest - 11.0), morning});
   return cameras;
 }
 

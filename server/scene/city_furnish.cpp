@@ -80,7 +80,9 @@ void plantWoods(const CityPlan& plan, const Catalogue& catalogue, size_t count, 
           if (std::any_of(lot.begin(), lot.end(), [&](const HalfPlane& h2) { return h2.distance(p) < 1.2; })) continue;
           // Stands of conifers and of broadleaves, with mixed borders.
           const float conifers = fractalNoise(hash64(seed, 1), p.x / 90.0, p.y / 90.0, 2) + 0.25f * (random.uniform() - 0.5f);
-          const auto fits = [&](const TreeEntry& t) { return t.conifer == (conifers > 0.05f); };
+          const bool conifer = conifers > 0.05f;
+          if (!conifer && random.chance(0.3f)) continue;  // broader crowns stand further apart
+          const auto fits = [&](const TreeEntry& t) { return t.conifer == conifer; };
           float total = 0.0f;
           for (const TreeEntry& t : catalogue.trees) total += fits(t) ? t.weight : 0.0f;
           float pick = random.uniform() * total;
@@ -92,7 +94,7 @@ void plantWoods(const CityPlan& plan, const Catalogue& catalogue, size_t count, 
             if (pick < 0.0f) break;
           }
           const double ground = plan.ground.height(p) - 0.1;
-          wishes.push_back({hash64(h), {prefab, p, ground, unitVector(random.uniform()), random.uniform(0.75f, 1.2f)}});
+          wishes.push_back({hash64(h), {prefab, p, ground, unitVector(random.uniform()), random.uniform(0.85f, 1.3f)}});
         }
       }
     }

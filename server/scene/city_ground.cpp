@@ -2,10 +2,13 @@
 // plan has sharp edges at any distance; neighbouring pieces share their vertices, so that no light leaks between them.
 #include <algorithm>
 #include <cmath>
+#include <array>
 #include <map>
+#include <tuple>
 #include <unordered_map>
 
 #include "scene/city_plan.h"
+#include "scene/mesh_builder.h"
 #include "scene/random.h"
 
 namespace helio::scene {
@@ -26,6 +29,7 @@ struct Piece {
 /// A piece of kerb face: the raised side is on the left.
 struct KerbFace {
   glm::dvec2 a, b;
+  glm::dvec2 inside;  ///< a point in the same lattice square
   float raise;
 };
 
@@ -124,7 +128,7 @@ void cutPieces(const Polygon& triangle, const Cutter& cutter, std::vector<Piece>
       const glm::dvec2 a = rest[i], b = rest[(i + 1) % rest.size()];
       for (const HalfPlane& plane : cutter.kerb) {
         const bool on_kerb = std::abs(plane.distance(a)) < 1e-6 && std::abs(plane.distance(b)) < 1e-6;
-        if (on_kerb && glm::distance(a, b) > kWeld) kerbs.push_back({a, b, block.raise});
+        if (on_kerb && glm::distance(a, b) > kWeld) kerbs.push_back({a, b, centroid(triangle), block.raise});
       }
     }
   }
@@ -171,26 +175,23 @@ class TileBuilder {
     }
   }
 
-  void addKerb(const KerbFace& face) {
-    const glm::dvec2 along = glm::normalize(face.b - face.a);
+  void addKerb(const glm::dvec2& a, const glm::dvec2& b, float raise) {
+    const glm::dvec2 along = glm::normalize(b - a);
     const glm::vec3 outward(along.y, 0.0f, -along.x);
-    const auto corner = [&](const glm::dvec2& p, float raise) {
-      mesh_.positions.push_back(position(p, raise));
+    const auto corner = [&](const glm::dvec2& p, float lift) {
+      mesh_.positions.push_back(position(p, lift));
       mesh_.normals.push_back(outward);
-      mesh_.uvs.push_back({static_cast<float>(glm::dot(p - centre_, along)), -raise});
+      mesh_.uvs.push_back({static_cast<float>(glm::dot(p - centre_, along)), -lift});
       return static_cast<uint32_t>(mesh_.positions.size() - 1);
     };
-    const uint32_t a0 = corner(face.a, 0.0f), a1 = corner(face.a, face.raise), b0 = corner(face.b, 0.0f), b1 = corner(face.b, face.raise);
+    const uint32_t a0 = corner(a, 0.0f), a1 = corner(a, raise), b0 = corner(b, 0.0f), b1 = corner(b, raise);
     std::vector<uint32_t>& indices = by_material_[palette_.kerb];
     indices.insert(indices.end(), {a0, a1, b1, a0, b1, b0});
   }
 
   Mesh build(std::string name) {
     mesh_.name = std::move(name);
-    for (const auto& [material, list] : by_material_) {
-      mesh_.submeshes.push_back({static_cast<uint32_t>(mesh_.indices.size()), static_cast<uint32_t>(list.size()), material});
-      mesh_.indices.insert(mesh_.indices.end(), list.begin(), list.end());
-    }
+    addSubmeshes(mesh_, by_material_);
     mesh_.finish();
     return std::move(mesh_);
   }
@@ -264,37 +265,55 @@ Mesh buildTile(const CityPlan& plan, const Palette& palette, const std::vector<c
       }
       builder.add(cell.pieces[i], ring, ring.size() > corners.size());
     }
-    for (const KerbFace& kerb : cell.kerbs) builder.addKerb(kerb);
+    for (const KerbFace& kerb : cell.kerbs) {
+      std::vector<uint32_t> line{points.weld(kerb.a)};
+      const uint32_t end = points.weld(kerb.b);
+      const auto extra = points.between(line[0], end, kerb.inside);
+      line.insert(line.end(), extra.begin(), extra.end());
+      line.push_back(end);
+      for (size_t i = 0; i + 1 < line.size(); ++i) builder.addKerb(points[line[i]], points[line[i + 1]], kerb.raise);
+    }
   }
   return builder.build(std::move(name));
 }
 
 /// One side of the bare hills around the world: rows of the border's points, pushed further and further out.
 Mesh buildApron(const CityPlan& plan, const Palette& palette, int side, std::string name) {
-  constexpr int kRows = 14;
+  constexpr int kRows = 24;
   const double half = plan.site.half();
-  const auto count = static_cast<int>(plan.site.side / kLattice);
+  const auto columns = static_cast<int>(plan.site.side / kLattice);
   const glm::dvec2 along = unitVector(0.25 * side), outward{along.y, -along.x};
+  const auto point = [&](int row, int column) {
+    const double t = static_cast<double>(row) / kRows, scale = (half + plan.site.apron * t * std::sqrt(t)) / half;
+    return scale * (along * (-half + kLattice * column) + outward * half);
+  };
   Mesh mesh;
   mesh.name = std::move(name);
-  const double metres = static_cast<double>(palette.metres[palette.hill].x);
-  for (int row = 0; row <= kRows; ++row) {
-    const double t = static_cast<double>(row) / kRows, scale = (half + plan.site.apron * t * t) / half;
-    for (int i = 0; i <= count; ++i) {
-      const glm::dvec2 p = scale * (along * (-half + kLattice * i) + outward * half);
+  std::map<uint32_t, std::vector<uint32_t>> by_material;
+  std::map<std::tuple<uint32_t, int, int>, uint32_t> vertices;
+  const auto vertex = [&](uint32_t material, int row, int column) {
+    const auto [entry, fresh] = vertices.try_emplace({material, row, column}, static_cast<uint32_t>(mesh.positions.size()));
+    if (fresh) {
+      const glm::dvec2 p = point(row, column);
       mesh.positions.push_back(glm::vec3(glm::dvec3(p.x, plan.ground.height(p), p.y)));
       mesh.normals.push_back(plan.ground.normal(p));
-      mesh.uvs.push_back(glm::vec2(p / metres));
+      mesh.uvs.push_back(glm::vec2(p / glm::dvec2(palette.metres[material])));
+    }
+    by_material[material].push_back(entry->second);
+  };
+  using Corner = std::pair<int, int>;
+  for (int row = 0; row < kRows; ++row) {
+    for (int i = 0; i < columns; ++i) {
+      const Corner a{row, i}, b{row, i + 1}, c{row + 1, i}, d{row + 1, i + 1};
+      for (const auto& triangle : {std::array{a, b, c}, std::array{b, d, c}}) {
+        glm::dvec2 middle(0.0);
+        for (const Corner& corner : triangle) middle += point(corner.first, corner.second) / 3.0;
+        const bool wooded = fractalNoise(hash64(plan.site.seed, 60), middle.x / 240.0, middle.y / 240.0, 3) > -0.05f;
+        for (const Corner& corner : triangle) vertex(wooded ? palette.hill_woods : palette.hill, corner.first, corner.second);
+      }
     }
   }
-  const auto width = static_cast<uint32_t>(count + 1);
-  for (uint32_t row = 0; row < kRows; ++row) {
-    for (uint32_t i = 0; i + 1 < width; ++i) {
-      const uint32_t a = row * width + i, b = a + 1, c = a + width, d = c + 1;
-      mesh.indices.insert(mesh.indices.end(), {a, b, c, b, d, c});
-    }
-  }
-  mesh.submeshes = {{0, static_cast<uint32_t>(mesh.indices.size()), palette.hill}};
+  addSubmeshes(mesh, by_material);
   mesh.finish();
   return mesh;
 }

@@ -234,7 +234,7 @@ std::vector<HouseDesign> designs(const Palette& p) {
       {C, 0.6f, 5, 5, 4, hip, 3.6f, pl[2], ashlar, rt[1], sand, Front::shop, 2, 2, 0, true, 0},
       {C, 0.7f, 4, 4, 4, flat, 0.0f, br[2], ashlar, sl[0], sand, Front::shop, 0, 1, 0, false, 2},
       {C, 0.9f, 2, 5, 4, gable_front, 3.9f, br[0], br[0], rt[3], sand, Front::door, 0, 1, 0, false, 0},
-      {C, 0.9f, 3, 5, 3, gable_front, 4.4f, pl[6], pl[0], rt[0], white, Front::shop, 0, 1, 0, false, 0},
+      {C, 0.9f, 3, 5, 3, gable_front, 4.4f, pl[6], pl[0], rt[4], white, Front::shop, 0, 1, 0, false, 0},
       {C, 0.6f, 6, 5, 3, gable, 4.4f, pl[4], ashlar, rt[2], sand, Front::shop, 3, 2, 0, false, 0},
       // Town houses.
       {T, 1.0f, 3, 4, 2, gable, 3.8f, pl[0], pl[0], rt[0], dark, Front::door, 1, 1, 0, false, 0},
@@ -243,7 +243,7 @@ std::vector<HouseDesign> designs(const Palette& p) {
       {T, 0.9f, 3, 4, 3, gable_front, 3.9f, pl[5], ashlar, rt[2], white, Front::door, 0, 1, 0, false, 0},
       {T, 0.9f, 4, 4, 3, mansard, 1.3f, pl[7], ashlar, sl[0], white, Front::door, 2, 2, 0, false, 0},
       {T, 0.9f, 5, 4, 2, gable, 4.0f, br[1], br[1], rt[3], sand, Front::door, 2, 2, 0, false, 0},
-      {T, 0.8f, 3, 4, 3, gable, 3.8f, tf[2], tf[2], rt[0], dark, Front::shop, 1, 1, 0, false, 0},
+      {T, 0.8f, 3, 4, 3, gable, 3.8f, tf[2], tf[2], rt[4], dark, Front::shop, 1, 1, 0, false, 0},
       {T, 0.7f, 4, 4, 2, gable, 3.8f, pl[2], pl[2], rt[1], white, Front::door, 1, 1, 3, false, 0},
       {T, 0.6f, 4, 4, 3, hip, 3.2f, pl[3], pl[3], sl[1], white, Front::door, 0, 1, 0, true, 2},
       {T, 0.5f, 6, 4, 3, flat, 0.0f, br[0], ashlar, sl[0], sand, Front::door, 0, 2, 0, false, 0},

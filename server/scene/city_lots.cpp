@@ -156,7 +156,7 @@ void LotFiller::streetFurniture() {
     const Street& street = block_.streetAlong(e.a, e.a + e.along);
     if (street.rank < 2) continue;
     const bool avenue = street.rank == 4;
-    const double spacing = avenue ? 8.5 : street.rank == 3 ? 13.0 : 19.0;
+    const double spacing = avenue ? 10.0 : street.rank == 3 ? 14.0 : 21.0;
     const int steps = static_cast<int>(e.length / spacing);
     const double first = 0.5 * (e.length - spacing * steps) + 0.25 * spacing;
     for (int k = 0; k <= steps; ++k) {

@@ -27,13 +27,13 @@ Mesh broadleaf(const Palette& p, const BroadleafShape& s) {
   Random random(s.seed);
   const float low = s.clear * s.height, middle = 0.5f * (low + s.height), half = 0.5f * (s.height - low);
   b.frustum(s.bark, {0.0f, -0.6f, 0.0f}, s.trunk * 1.25f, s.trunk * 0.6f, 0.6f + middle, 6);
-  b.blob(s.foliage, {0.0f, middle, 0.0f}, {0.78f * s.crown, half, 0.78f * s.crown}, 1, 0.16f, s.seed);
+  b.blob(s.foliage, {0.0f, middle, 0.0f}, {0.78f * s.crown, half, 0.78f * s.crown}, 1, 0.13f, s.seed);
   for (int i = 0; i < s.clumps; ++i) {
     const glm::dvec2 d = unitVector((i + 0.35 * random.uniform()) / s.clumps);
     const float reach = s.crown * random.uniform(0.42f, 0.56f), size = s.crown * random.uniform(0.42f, 0.58f);
-    const float y = middle + half * random.uniform(-0.45f, 0.35f);
+    const float y = middle + half * random.uniform(-0.4f, 0.5f);
     b.blob(s.foliage, {static_cast<float>(d.x) * reach, y, static_cast<float>(d.y) * reach},
-           {size, std::min(size * 0.9f, half * 0.7f), size}, i % 2 == 0 ? 1 : 0, 0.14f, s.seed * 31 + static_cast<uint64_t>(i));
+           {size, std::min(size * 0.9f, half * 0.7f), size}, i % 2 == 0 ? 1 : 0, 0.13f, s.seed * 31 + static_cast<uint64_t>(i));
   }
   return b.build();
 }
@@ -56,7 +56,7 @@ Mesh conifer(const Palette& p, const ConiferShape& s) {
   for (int tier = 0; tier < s.tiers; ++tier) {
     const float t = static_cast<float>(tier) / static_cast<float>(s.tiers);
     const float radius = s.radius * (1.0f - 0.88f * t);
-    const float hem = s.clear + span * t * 0.92f, apex = std::min(s.height, hem + span * (1.55f / static_cast<float>(s.tiers)) + 0.3f);
+    const float hem = s.clear + span * t * 0.92f, apex = std::min(s.height, hem + span * (1.38f / static_cast<float>(s.tiers)) + 0.3f);
     std::vector<vec3> rim;
     for (int i = 0; i < s.sides; ++i) {
       const glm::dvec2 d = unitVector((i + 0.3 * random.uniform() + 0.5 * (tier % 2)) / s.sides);
@@ -128,22 +128,22 @@ void addNature(Catalogue& catalogue) {
     catalogue.trees.push_back({catalogue.add(std::move(mesh), "tree"), is_conifer, garden, weight});
   };
   for (const auto& [shape, garden, weight] : std::initializer_list<std::tuple<BroadleafShape, bool, float>>{
-           {{"tree_oak", f[0], brown, 11.5f, 4.6f, 0.42f, 0.24f, 4, 101}, false, 1.2f},
-           {{"tree_oak_old", f[0], brown, 13.5f, 5.8f, 0.60f, 0.22f, 5, 102}, false, 0.5f},
+           {{"tree_oak", f[0], brown, 11.5f, 4.6f, 0.42f, 0.24f, 5, 101}, false, 1.2f},
+           {{"tree_oak_old", f[0], brown, 13.5f, 5.8f, 0.60f, 0.22f, 6, 102}, false, 0.5f},
            {{"tree_linden", f[1], brown, 9.5f, 3.3f, 0.30f, 0.26f, 3, 103}, true, 1.0f},
            {{"tree_linden_young", f[1], brown, 6.6f, 2.2f, 0.18f, 0.30f, 3, 104}, true, 1.0f},
            {{"tree_birch", f[2], white, 10.0f, 2.4f, 0.17f, 0.26f, 3, 105}, true, 0.9f},
            {{"tree_maple", f[3], brown, 9.0f, 3.5f, 0.30f, 0.25f, 3, 106}, true, 0.16f},
-           {{"tree_beech", f[4], brown, 12.5f, 4.2f, 0.36f, 0.20f, 4, 107}, false, 1.2f},
+           {{"tree_beech", f[4], brown, 12.5f, 4.2f, 0.36f, 0.20f, 5, 107}, false, 1.2f},
            {{"tree_copper_beech", f[6], brown, 10.5f, 4.0f, 0.36f, 0.20f, 4, 108}, true, 0.10f},
            {{"tree_apple", f[4], brown, 4.4f, 2.0f, 0.16f, 0.32f, 3, 109}, true, 0.9f}}) {
     add(broadleaf(p, shape), false, garden, weight);
   }
   for (const auto& [shape, weight] : std::initializer_list<std::pair<ConiferShape, float>>{
-           {{"tree_spruce", p.needles[0], brown, 15.5f, 2.9f, 1.2f, 6, 12, 201}, 1.2f},
-           {{"tree_spruce_tall", p.needles[0], brown, 19.0f, 3.1f, 2.2f, 7, 12, 202}, 0.7f},
-           {{"tree_spruce_young", p.needles[0], brown, 8.0f, 2.1f, 0.5f, 4, 10, 203}, 0.8f},
-           {{"tree_fir", p.needles[1], brown, 14.0f, 3.4f, 1.0f, 5, 12, 204}, 0.8f}}) {
+           {{"tree_spruce", p.needles[0], brown, 15.5f, 3.3f, 1.2f, 6, 12, 201}, 1.2f},
+           {{"tree_spruce_tall", p.needles[0], brown, 19.0f, 3.6f, 2.2f, 6, 12, 202}, 0.7f},
+           {{"tree_spruce_young", p.needles[0], brown, 8.0f, 2.4f, 0.5f, 4, 10, 203}, 0.8f},
+           {{"tree_fir", p.needles[1], brown, 14.0f, 3.8f, 1.0f, 5, 12, 204}, 0.8f}}) {
     add(conifer(p, shape), true, false, weight);
   }
   add(pine(p, 301), true, false, 0.7f);

@@ -67,7 +67,7 @@ class Planner {
   }
 
  private:
-  Street mainRoad() const { return {4.2, 3.2, palette_.cobbles, 4}; }
+  Street mainRoad() const { return {3.8, 3.0, palette_.cobbles, 4}; }
 
   /// Whether any of the region is in the town.
   bool touchesTown(const Polygon& outline) const {
@@ -84,12 +84,13 @@ class Planner {
 
   Street streetFor(bool town, double region_area) const {
     if (town) {
-      if (region_area > 420.0 * 420.0) return {4.0, 3.2, palette_.cobbles, 4};
-      if (region_area > 130.0 * 130.0) return {3.4, 2.4, palette_.cobbles, 3};
-      return {2.6, 1.8, palette_.cobbles, 2};
+      if (region_area > 420.0 * 420.0) return {3.6, 3.0, palette_.cobbles, 4};
+      if (region_area > 130.0 * 130.0) return {2.8, 2.2, palette_.cobbles, 3};
+      return {2.2, 1.5, palette_.cobbles, 2};
     }
-    if (region_area > 420.0 * 420.0) return {3.0, 0.0, palette_.asphalt, 4};
-    return {1.5, 0.0, palette_.dirt, 1};
+    if (region_area > 420.0 * 420.0) return {2.6, 0.0, palette_.asphalt, 4};
+    if (region_area > 190.0 * 190.0) return {1.4, 0.0, palette_.dirt, 1};
+    return {};  // a hedge between fields, nothing in the woods
   }
 
   bool divide(const Region& region, Region& left, Region& right) {
@@ -103,9 +104,9 @@ class Planner {
     }
     for (int attempt = 0; attempt < 8; ++attempt) {
       const double along = (2.0 * random_.uniform() - 1.0) * 0.24;
-      const double turn = (2.0 * random_.uniform() - 1.0) * 0.022;
-      const glm::dvec2 bend = unitVector(turn);
-      const glm::dvec2 normal{box.axis.x * bend.x - box.axis.y * bend.y, box.axis.x * bend.y + box.axis.y * bend.x};
+      const glm::dvec2 bend = unitVector((2.0 * random_.uniform() - 1.0) * 0.03);
+      const glm::dvec2 across = town ? aroundTown(box) : box.axis;
+      const glm::dvec2 normal{across.x * bend.x - across.y * bend.y, across.x * bend.y + across.y * bend.x};
       const HalfPlane line{normal, glm::dot(normal, box.centre + box.axis * (along * box.half.x))};
       const Street street = streetFor(town, region_area);
       left = cut(region, line, street);
@@ -113,6 +114,18 @@ class Planner {
       if (sound(left) && sound(right)) return true;
     }
     return false;
+  }
+
+  /// The normal of a cut across the box, leaning towards the town's rays and rings: streets that lead to the market, and
+  /// streets that go around it.
+  glm::dvec2 aroundTown(const Rectangle& box) const {
+    const glm::dvec2 offset = box.centre - site_.town_centre;
+    if (glm::length(offset) < 1.5 * site_.square_half) return box.axis;
+    const glm::dvec2 ray = glm::normalize(offset), ring{-ray.y, ray.x};
+    const double along_ray = glm::dot(ray, box.axis), along_ring = glm::dot(ring, box.axis);
+    const glm::dvec2 lean = std::abs(along_ray) > std::abs(along_ring) ? ray * (along_ray < 0.0 ? -1.0 : 1.0)
+                                                                     : ring * (along_ring < 0.0 ? -1.0 : 1.0);
+    return glm::normalize(glm::mix(box.axis, lean, 0.55));
   }
 
   /// Wide enough in every direction to be of use.
@@ -213,8 +226,8 @@ Block makeBlock(const Site& site, const Palette& palette, const Region& region, 
     block.use = Use::square;
     block.quarter = Quarter::centre;
   } else if (urbanity > 0.0) {
-    const bool near_market = glm::distance(middle, site.town_centre) < site.square_half + 75.0;
-    block.quarter = urbanity > 0.62 || near_market ? Quarter::centre : urbanity > 0.30 ? Quarter::town : Quarter::suburb;
+    const bool near_market = glm::distance(middle, site.town_centre) < site.square_half + std::min(75.0, 0.42 * site.town_radius);
+    block.quarter = urbanity > 0.66 || near_market ? Quarter::centre : urbanity > 0.36 ? Quarter::town : Quarter::suburb;
     block.use = !near_market && random.chance(0.09f) ? Use::park : Use::homes;
   } else if (site.woodland(middle) > 0.0) {
     block.use = Use::forest;
@@ -225,7 +238,8 @@ Block makeBlock(const Site& site, const Palette& palette, const Region& region, 
   std::vector<double> to_kerb, to_lot;
   for (const Street& street : block.streets) {
     to_kerb.push_back(street.half_width);
-    to_lot.push_back(street.half_width + (block.builtUp() ? std::max(street.pavement, 1.2) : 1.0));
+    const double verge = block.builtUp() ? std::max(street.pavement, 1.2) : street.rank > 0 ? 1.0 : block.use == Use::forest ? 0.0 : 0.4;
+    to_lot.push_back(street.half_width + (block.use == Use::square ? 0.6 : verge));
   }
   block.kerb = inset(block.outline, to_kerb);
   block.lot = inset(block.outline, to_lot);

@@ -8,7 +8,7 @@
 namespace helio::scene {
 namespace {
 
-constexpr double kMetresPerRootInstance = 8.0;  // side = 8 m * sqrt(instances): four instances in a hitbox cell
+constexpr double kMetresPerRootInstance = 7.5;  // side = 7.5 m * sqrt(instances): 4.5 instances in a hitbox cell
 
 double ease(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -22,8 +22,8 @@ Site::Site(const CityParameters& parameters) : seed(parameters.seed) {
   side = kTile * std::max(4.0, std::floor(wanted / kTile + 0.5));
   apron = std::clamp(0.6 * side, 240.0, 2400.0);
   town_centre = glm::dvec2(-0.11, 0.06) * side;
-  town_radius = 0.30 * side;
-  square_half = std::clamp(0.045 * side, 19.0, 34.0);
+  town_radius = 0.28 * side + 14.0;
+  square_half = std::clamp(0.045 * side, 23.0, 34.0);
 }
 
 double Site::urbanity(const glm::dvec2& p) const {
@@ -36,7 +36,7 @@ double Site::woodland(const glm::dvec2& p) const {
   const glm::dvec2 q = p / half();
   const double edge = std::max(std::abs(q.x), std::abs(q.y));
   const double noise = fractalNoise(hash64(seed, 2), q.x * 2.6, q.y * 2.6, 3);
-  return 0.95 * glm::dot(q - town_centre / half(), glm::dvec2(0.93, -0.36)) + 0.6 * noise + 0.25 * edge * edge * edge - 0.38;
+  return 0.95 * glm::dot(q - town_centre / half(), glm::dvec2(0.93, -0.36)) + 0.6 * noise + 0.25 * edge * edge * edge - 0.60;
 }
 
 HeightField::HeightField(const Site& site) : site_(site), count_(static_cast<int64_t>(site.side / kLattice) + 1) {

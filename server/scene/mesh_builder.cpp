@@ -75,6 +75,13 @@ Icosphere icosphere(int levels) {
 
 }  // namespace
 
+void addSubmeshes(Mesh& mesh, const std::map<uint32_t, std::vector<uint32_t>>& by_material) {
+  for (const auto& [material, indices] : by_material) {
+    mesh.submeshes.push_back({static_cast<uint32_t>(mesh.indices.size()), static_cast<uint32_t>(indices.size()), material});
+    mesh.indices.insert(mesh.indices.end(), indices.begin(), indices.end());
+  }
+}
+
 void MeshBuilder::setFrame(glm::vec3 origin, int quarter_turns) {
   origin_ = origin;
   quarter_turns_ = quarter_turns & 3;
@@ -197,10 +204,7 @@ void MeshBuilder::blob(uint32_t material, vec3 centre, vec3 radii, int levels, f
 }
 
 Mesh MeshBuilder::build() {
-  for (const auto& [material, list] : by_material_) {
-    mesh_.submeshes.push_back({static_cast<uint32_t>(mesh_.indices.size()), static_cast<uint32_t>(list.size()), material});
-    mesh_.indices.insert(mesh_.indices.end(), list.begin(), list.end());
-  }
+  addSubmeshes(mesh_, by_material_);
   mesh_.finish();
   return std::move(mesh_);
 }

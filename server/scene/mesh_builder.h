@@ -10,6 +10,9 @@
 
 namespace helio::scene {
 
+/// Appends one submesh for each material with its triangles' indices.
+void addSubmeshes(Mesh& mesh, const std::map<uint32_t, std::vector<uint32_t>>& by_material);
+
 /// Faces of a box() to leave out (hidden ones).
 enum BoxFace : uint32_t { kNoBottom = 1, kNoTop = 2, kNoBack = 4, kNoFront = 8, kNoLeft = 16, kNoRight = 32 };
 

@@ -71,10 +71,11 @@ void addWallsAndRoofs(Palette& p, PaletteBuilder& make) {
   p.ashlar = {make.material("ashlar", ashlar, {1.0f, 0.97f, 0.92f}, 0.85f),
               make.material("ashlar_grey", ashlar, {0.70f, 0.72f, 0.76f}, 0.85f)};
   const Painted tiles = make.relief(patterns::roofTiles());
-  p.roof_tiles = {make.material("roof_tiles_red", tiles, {1.0f, 0.92f, 0.86f}, 0.8f),
+  p.roof_tiles = {make.material("roof_tiles_red", tiles, {0.92f, 0.80f, 0.76f}, 0.8f),
                   make.material("roof_tiles_orange", tiles, {1.0f, 1.0f, 0.92f}, 0.8f),
-                  make.material("roof_tiles_brown", tiles, {0.58f, 0.60f, 0.62f}, 0.8f),
-                  make.material("roof_tiles_dark", tiles, {0.42f, 0.58f, 0.72f}, 0.8f)};
+                  make.material("roof_tiles_brown", tiles, {0.58f, 0.66f, 0.70f}, 0.8f),
+                  make.material("roof_tiles_dark", tiles, {0.34f, 0.56f, 0.74f}, 0.8f),
+                  make.material("roof_tiles_old", tiles, {0.80f, 0.98f, 1.0f}, 0.85f)};
   const Painted slate = make.relief(patterns::slate());
   p.slate = {make.material("slate", slate, {0.9f, 0.95f, 1.0f}, 0.7f),
              make.material("slate_warm", slate, {1.0f, 0.86f, 0.78f}, 0.7f)};
@@ -95,7 +96,7 @@ void addWallsAndRoofs(Palette& p, PaletteBuilder& make) {
   p.window = make.material("window", make.flat(window), vec3(1.0f), 1.0f);
   make[p.window].metallic_roughness_texture = make.texture(paintRoughness(window));
   p.lit_window = make.material("window_lit", {make[p.window].base_color_texture, kNone, window.metres}, vec3(1.0f), 0.4f);
-  make[p.lit_window].emission = {5.0f, 3.6f, 1.9f};
+  make[p.lit_window].emission = {1.7f, 1.2f, 0.62f};
   make[p.lit_window].emissive_texture = make.texture(paintBaseColor(patterns::litWindow()));
   p.copper = make.plain("copper_green", {0.20f, 0.42f, 0.34f}, 0.7f);
   p.iron = make.plain("iron", {0.06f, 0.065f, 0.07f}, 0.6f);
@@ -113,7 +114,8 @@ void addGround(Palette& p, PaletteBuilder& make) {
   p.meadow = {make.material("meadow", grass, {1.0f, 1.0f, 0.78f}, 0.95f),
               make.material("meadow_green", grass, {0.78f, 0.90f, 0.66f}, 0.95f),
               make.material("meadow_pale", grass, {1.0f, 0.92f, 0.86f}, 0.95f)};
-  p.hill = make.material("hill", grass, {0.48f, 0.58f, 0.44f}, 0.95f);
+  p.hill = make.material("hill", grass, {0.80f, 0.88f, 0.70f}, 0.95f);
+  p.hill_woods = make.material("hill_woods", make.relief(patterns::canopy()), vec3(1.0f), 0.95f);
   p.crops = {make.material("soil", make.relief(patterns::soilRows()), vec3(1.0f), 0.95f),
              make.material("crop", make.relief(patterns::cropRows()), vec3(1.0f), 0.95f),
              make.material("wheat", make.relief(patterns::wheat()), {0.92f, 0.90f, 0.84f}, 0.95f)};

@@ -20,7 +20,7 @@ struct Palette {
   std::array<uint32_t, 3> brick{};
   std::array<uint32_t, 3> timber_frame{};
   std::array<uint32_t, 2> ashlar{};
-  std::array<uint32_t, 4> roof_tiles{};
+  std::array<uint32_t, 5> roof_tiles{};  // red, orange, brown, dark, old
   std::array<uint32_t, 2> slate{};
   std::array<uint32_t, 4> planks{};  // natural, dark, red, weathered
   std::array<uint32_t, 4> door{};
@@ -32,7 +32,7 @@ struct Palette {
   std::array<uint32_t, 3> crops{};   // soil, green rows, wheat
   std::array<uint32_t, 3> meadow{};
   uint32_t asphalt = 0, cobbles = 0, slabs = 0, market = 0, gravel = 0, dirt = 0, courtyard = 0, forest_floor = 0;
-  uint32_t kerb = 0, hill = 0;
+  uint32_t kerb = 0, hill = 0, hill_woods = 0;
   // Nature
   std::array<uint32_t, 7> foliage{}; // oak, linden, birch, maple, apple, hedge, blossom
   std::array<uint32_t, 3> needles{};

@@ -121,8 +121,8 @@ SurfacePattern roofTiles() {
             const float arch = 1.0f - 4.0f * (m.local.x - 0.5f) * (m.local.x - 0.5f);
             const float overlap = m.local.y;
             const float under = smoothstep(0.0f, 0.16f, m.local.y);
-            const vec3 clay = mix(vec3(0.60f, 0.27f, 0.17f), vec3(0.78f, 0.42f, 0.28f), m.tint);
-            const float weather = 1.0f + 0.10f * noise(52, u, v, 5, 4);
+            const vec3 clay = mix(vec3(0.52f, 0.27f, 0.19f), vec3(0.70f, 0.43f, 0.32f), m.tint);
+            const float weather = 1.0f + 0.16f * noise(52, u, v, 3, 4);
             return Texel{clay * weather * mix(0.55f, 1.0f, under) * mix(0.82f, 1.0f, arch),
                          0.035f * arch + 0.03f * overlap};
           }};
@@ -187,7 +187,7 @@ SurfacePattern gravel() {
 SurfacePattern grass() {
   return {"grass", 512, vec2(8.0f), [](float u, float v) {
             const float blades = noise(121, u, v, 128, 2), tufts = noise(122, u, v, 24, 3), patch = noise(123, u, v, 4, 3);
-            const vec3 green = mix(vec3(0.35f, 0.46f, 0.19f), vec3(0.50f, 0.57f, 0.27f), 0.5f + 0.45f * patch + 0.2f * tufts);
+            const vec3 green = mix(vec3(0.34f, 0.42f, 0.22f), vec3(0.50f, 0.53f, 0.31f), 0.5f + 0.45f * patch + 0.2f * tufts);
             return Texel{green * (1.0f + 0.20f * blades + 0.12f * tufts), 0.03f * blades + 0.03f * tufts};
           }};
 }
@@ -195,7 +195,7 @@ SurfacePattern grass() {
 SurfacePattern forestFloor() {
   return {"forest_floor", 256, vec2(8.0f), [](float u, float v) {
             const float litter = noise(131, u, v, 64, 3), moss = noise(132, u, v, 6, 4);
-            const vec3 ground = mix(vec3(0.34f, 0.26f, 0.17f), vec3(0.30f, 0.36f, 0.17f), smoothstep(-0.3f, 0.4f, moss));
+            const vec3 ground = mix(vec3(0.28f, 0.23f, 0.16f), vec3(0.27f, 0.31f, 0.17f), smoothstep(-0.5f, 0.3f, moss));
             return Texel{ground * (1.0f + 0.25f * litter), 0.03f * litter};
           }};
 }
@@ -284,22 +284,34 @@ SurfacePattern bark() {
 }
 
 SurfacePattern foliage() {
-  return {"foliage", 256, vec2(2.5f), [](float u, float v) {
-            const Cellular leaf = cellular(191, u, v, 18, 0.95f);
-            const float clump = noise(192, u, v, 5, 3);
+  return {"foliage", 512, vec2(3.0f), [](float u, float v) {
+            const Cellular leaf = cellular(191, u, v, 34, 1.0f);
+            const float clump = noise(192, u, v, 7, 3);
             const float lift = std::max(0.0f, 1.0f - leaf.nearest);
-            const vec3 green = mix(vec3(0.25f, 0.36f, 0.14f), vec3(0.46f, 0.56f, 0.24f), leaf.tint);
-            return Texel{green * (0.62f + 0.38f * smoothstep(0.0f, 0.35f, leaf.border)) * (1.0f + 0.22f * clump),
-                         0.10f * lift + 0.10f * leaf.tint + 0.08f * clump};
+            const vec3 green = mix(vec3(0.27f, 0.35f, 0.17f), vec3(0.45f, 0.52f, 0.26f), leaf.tint);
+            return Texel{green * (0.68f + 0.32f * smoothstep(0.0f, 0.5f, leaf.border)) * (1.0f + 0.30f * clump),
+                         0.05f * lift + 0.07f * leaf.tint + 0.10f * clump};
           }};
 }
 
 SurfacePattern needles() {
   return {"needles", 256, vec2(2.0f), [](float u, float v) {
-            const float strands = fractalNoise(201, u * 40.0f, v * 10.0f, 3, 0), clump = noise(202, u, v, 6, 3);
-            const float tips = smoothstep(0.55f, 1.0f, fract(v * 4.0f + 0.3f * clump));
-            const vec3 green = mix(vec3(0.16f, 0.27f, 0.16f), vec3(0.30f, 0.42f, 0.22f), tips);
-            return Texel{green * (1.0f + 0.28f * strands + 0.15f * clump), 0.06f * strands + 0.08f * tips};
+            const Cellular twig = cellular(201, u, v, 20, 1.0f);
+            const float strands = noise(203, u, v, 48, 2), clump = noise(202, u, v, 7, 3);
+            const vec3 green = mix(vec3(0.17f, 0.26f, 0.18f), vec3(0.29f, 0.39f, 0.24f), twig.tint);
+            return Texel{green * (1.0f + 0.22f * strands + 0.35f * clump), 0.03f * strands + 0.05f * twig.tint + 0.16f * clump};
+          }};
+}
+
+SurfacePattern canopy() {
+  // Woods seen from far away: crowns of about 6 m, dark between them.
+  return {"canopy", 256, vec2(72.0f), [](float u, float v) {
+            const Cellular crown = cellular(221, u, v, 12, 1.0f);
+            const float leaves = noise(222, u, v, 48, 3), stands = noise(223, u, v, 3, 2);
+            const float dome = std::max(0.0f, 1.0f - crown.nearest * crown.nearest);
+            const vec3 green = mix(vec3(0.20f, 0.28f, 0.17f), vec3(0.36f, 0.42f, 0.22f), 0.6f * crown.tint + 0.4f * (0.5f + 0.5f * stands));
+            return Texel{green * mix(0.82f, 1.0f, smoothstep(0.0f, 0.45f, crown.border)) * (1.0f + 0.30f * leaves),
+                         1.8f * dome + 0.5f * leaves};
           }};
 }
 

@@ -56,6 +56,7 @@ SurfacePattern door();
 SurfacePattern bark();
 SurfacePattern foliage();
 SurfacePattern needles();
+SurfacePattern canopy();
 SurfacePattern stripes();
 
 }  // namespace patterns
