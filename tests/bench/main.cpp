@@ -1,0 +1,45 @@
+// helio-bench: one subcommand a benchmark.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+
+#include "bench/command.h"
+#include "bench/frame.h"
+#include "bench/report.h"
+
+namespace {
+
+constexpr int kFailed = 1, kWrongUsage = 2;
+
+int fail(int status, const std::string& message) {
+  std::cerr << "helio-bench: " << message << std::endl;
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace helio;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("helio-bench"));  // standard output is the result's
+  spdlog::set_level(spdlog::level::warn);
+
+  CLI::App app("Measures the renderer in this process, without a network. One benchmark a subcommand.", "helio-bench");
+  app.footer("Exit status: 0 success, 1 the measurement failed, 2 wrong usage.");
+  app.require_subcommand(1);
+  bench::Action action;
+  bench::addFrameCommand(app, bench::shellCommand(argc, argv), action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    return fail(kWrongUsage, std::string(error.what()) + "; see helio-bench --help");
+  }
+
+  try {
+    if (auto done = action(); !done) return fail(kFailed, done.error().message);
+  } catch (const std::exception& error) { return fail(kFailed, error.what()); }
+  return 0;
+}

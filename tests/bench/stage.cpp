@@ -1,0 +1,118 @@
+#include "bench/stage.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "scene/city.h"
+#include "scene/gltf.h"
+
+namespace helio::bench {
+namespace {
+
+constexpr float kStroke = 0.001f;          // metres
+constexpr double kTickSeconds = 1.0 / 60;  // of world time
+constexpr uint32_t kInstances = 10'000;
+constexpr uint64_t kSeed = 1;
+
+/// The pose with this transform, if there is one.
+std::optional<world::Pose> poseOf(const glm::mat4x3& transform) {
+  world::Pose pose;
+  pose.position = transform[3];
+  pose.scale = glm::length(transform[0]);
+  if (!(pose.scale > 0.0f)) return std::nullopt;
+  const glm::mat3 axes(transform[0], transform[1], transform[2]);
+  pose.rotation = glm::normalize(glm::quat_cast(axes * (1.0f / pose.scale)));
+  const glm::mat4x3 rebuilt = pose.matrix();
+  for (int column = 0; column < 3; ++column)
+    if (!(glm::distance(rebuilt[column], transform[column]) < 1e-3f * pose.scale)) return std::nullopt;
+  return pose;
+}
+
+Result<scene::ScenePtr> makeScene(const StageOptions& options) {
+  if (options.scene != "city") return scene::loadGltf(options.scene);
+  return scene::generateCity({options.seed.value_or(kSeed), options.instances.value_or(kInstances)});
+}
+
+Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const std::string& name) {
+  if (name.empty()) return &scene.cameras.front();
+  const auto found = std::find_if(scene.cameras.begin(), scene.cameras.end(),
+                                  [&](const scene::NamedCamera& camera) { return camera.name == name; });
+  if (found != scene.cameras.end()) return &*found;
+  std::string names;
+  for (const scene::NamedCamera& camera : scene.cameras) names += (names.empty() ? "" : ", ") + camera.name;
+  return Error{
+      ErrorKind::not_found, "the scene has no camera \"" + name + "\": give one of " + names, "--camera", name, {}};
+}
+
+}  // namespace
+
+void addStageOptions(CLI::App& command, StageOptions& options) {
+  command.add_option("--scene", options.scene, "city, or a .gltf or .glb file")->capture_default_str();
+  command.add_option("--camera", options.camera,
+                     "one of the scene's cameras by name, in its own light; default: its first");
+  command.add_option("--instances", options.instances,
+                     "static instances of the city, 1,000 to 1,000,000; default: 10,000");
+  command.add_option("--seed", options.seed, "of the city; default: 1");
+}
+
+Result<void> check(const StageOptions& options) {
+  if (options.scene != "city" && (options.instances || options.seed))
+    return invalid("--scene", options.scene,
+                   "--instances and --seed are the city's: leave them out with --scene " + options.scene);
+  return {};
+}
+
+Result<world::Move> findMover(const scene::Scene& scene) {
+  std::optional<world::Move> mover;
+  float smallest = std::numeric_limits<float>::infinity();
+  for (size_t i = 0; i < scene.placements.size(); ++i) {
+    const scene::Placement& placement = scene.placements[i];
+    const scene::Prefab& prefab = scene.prefabs[placement.prefab];
+    if (!prefab.buildable) continue;
+    const float size = glm::length(scene::transform(scene.meshes[prefab.mesh].bounds, placement.transform).extent());
+    if (!(size < smallest)) continue;
+    const std::optional<world::Pose> pose = poseOf(placement.transform);
+    if (!pose) continue;
+    smallest = size;
+    mover = world::Move{i + 1, *pose};  // base placements have ids from 1 on
+  }
+  if (mover) return *mover;
+  return Error{
+      ErrorKind::unsupported,
+      "scene \"" + scene.name +
+          "\" has no instance that can be moved (one without shear, mirroring or uneven scale): choose another scene",
+      "--scene",
+      scene.name,
+      {}};
+}
+
+Stage::Stage(std::unique_ptr<world::World> world, const scene::NamedCamera& camera, world::Move mover)
+    : world_(std::move(world)), camera_(&camera), mover_(std::move(mover)) {}
+
+Result<Stage> Stage::open(const StageOptions& options) {
+  Result<scene::ScenePtr> scene = makeScene(options);
+  if (!scene) return scene.error();
+  const Result<const scene::NamedCamera*> camera = findCamera(**scene, options.camera);
+  if (!camera) return camera.error();
+  const Result<world::Move> mover = findMover(**scene);
+  if (!mover) return mover.error();
+  auto world = std::make_unique<world::World>(*scene);
+  // A camera's picture is meant to be seen in its own light.
+  if (auto lit = world->apply(1, {{world::ResolvedEnvironment{(*camera)->environment}}}); !lit) return lit.error();
+  return Stage(std::move(world), **camera, *mover);
+}
+
+Result<world::ChangeSet> Stage::advance() {
+  raised_ = !raised_;
+  world::Move move = mover_;
+  if (raised_) move.pose.position.y += kStroke;
+  const world::Edit edit = move;
+  const Result<world::Batch> batch = world_->resolve({&edit, 1});
+  if (!batch) return batch.error();
+  if (auto applied = world_->apply(world_->seq() + 1, *batch); !applied) return applied.error();
+  return world_->beginTick(kTickSeconds);
+}
+
+}  // namespace helio::bench
