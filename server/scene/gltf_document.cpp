@@ -20,7 +20,25 @@ constexpr std::array kSupportedExtensions = {"KHR_materials_emissive_strength"};
 constexpr uint64_t kMaxImageBytes = std::numeric_limits<int>::max();  // what image decoders can be given
 constexpr uint64_t kAny = uint64_t{1} << 53;                          // beyond it JSON numbers are not exact
 
-struct TooDeep {};
+/// The greatest number of brackets open at once, outside of strings.
+int nestingOf(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return deepest;
+}
 
 std::string percentDecoded(const std::string& uri) {
   std::string text;
@@ -286,17 +304,14 @@ class Checker {
 }  // namespace
 
 Result<void> checkDocument(std::string_view json_text, std::optional<uint64_t> bin_bytes) {
-  json root;
-  try {
-    // tinygltf walks `extras` by recursion: what is nested without bound would end on the stack's.
-    const auto refuseDepth = [](int depth, json::parse_event_t, json&) {
-      if (depth > kMaxNesting) throw TooDeep{};
-      return true;
-    };
-    root = json::parse(json_text, refuseDepth);
-  } catch (const TooDeep&) {
+  // tinygltf walks `extras` by recursion: what is nested without bound would end on the stack's end.
+  if (nestingOf(json_text) > kMaxNesting) {
     return Error{ErrorKind::limit, fmt::format("its JSON is nested more than {} levels deep", kMaxNesting), "", "",
                  fmt::format("{}", kMaxNesting)};
+  }
+  json root;
+  try {
+    root = json::parse(json_text);
   } catch (const json::exception& problem) {
     return invalid("", "", fmt::format("its JSON cannot be read: {}", problem.what()));
   }
