@@ -234,13 +234,15 @@ void ViewerStream::end(const Failure& failure) {
 
 std::optional<ViewerStatus> ViewerStream::status() const {
   std::lock_guard lock(mutex_);
-  return ViewerStatus{id_,
+  ViewerStatus status{id_,
                       settings_.view,
                       counters_,
                       window_.unacknowledged(),
                       window_.size(),
                       window_.smallestRoundTrip(),
                       window_.lastAcknowledged()};
+  status.counters.dropped += mailbox_.dropped();  // what a stalled reader loses is seen while it is stalled
+  return status;
 }
 
 // ---- To the client

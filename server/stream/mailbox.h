@@ -47,6 +47,8 @@ class Mailbox {
   }
 
   bool empty() const { return !content_; }
+  /// Contents lost since the last one taken.
+  uint32_t dropped() const { return dropped_; }
 
  private:
   std::optional<T> content_;

@@ -79,7 +79,9 @@ TEST(Mailbox, TheNewestWinsAndTheOldIsLetGo) {
   mailbox.put(first, kStart);
   mailbox.put(second, kStart + 5ms);
   EXPECT_EQ(first.use_count(), 1) << "the mailbox still holds the replaced frame";
+  EXPECT_EQ(mailbox.dropped(), 1u);
   const auto taken = mailbox.take(kStart + 8ms, 1s);
+  EXPECT_EQ(mailbox.dropped(), 0u);
   ASSERT_TRUE(taken);
   EXPECT_EQ(*taken->content, 2);
   EXPECT_EQ(taken->dropped_before, 1u);
