@@ -49,6 +49,7 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
       if (instance.prefab != scene::kNone) on_change(instance.prefab, +1);
     }
     dirty_slots_.push_back(slot);
+    emitters_dirty_ |= record.emitter_weight > 0.0f;
     if (instance.prefab == scene::kNone) {
       placed = {};
       record.mesh = shared::kNoMesh;
@@ -64,6 +65,7 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
       record.rows[row] = {instance.transform[0][row], instance.transform[1][row], instance.transform[2][row], instance.transform[3][row]};
     record.mesh = placed.mesh;
     record.emitter_weight = emitter_power_[placed.mesh] > 0.0f ? weigh_(emitter_power_[placed.mesh], instance.transform) : 0.0f;
+    emitters_dirty_ |= record.emitter_weight > 0.0f;
     keys_[slot] = mortonKey(placed.centre);
   }
   if (!changes.slots.empty()) rebuildOrder(changes);
@@ -111,6 +113,7 @@ void InstanceTable::upload(gpu::Commands& commands) {
   }
   commands.upload<uint32_t>(order_buffer_, 0, order_);
   dirty_slots_.clear();
+  emitters_dirty_ = false;
 }
 
 }  // namespace helio::accel

@@ -32,6 +32,8 @@ class InstanceTable {
   void apply(const world::ChangeSet& changes, const std::function<void(uint32_t prefab, int64_t count)>& on_change);
   /// Something changed since the last upload().
   bool dirty() const { return !dirty_slots_.empty(); }
+  /// Something that shines was placed, moved or removed since the last upload().
+  bool emittersDirty() const { return emitters_dirty_; }
   /// Records the copies of changed records and of the order (transfer writes); grows the buffers if need be.
   void upload(gpu::Commands& commands);
 
@@ -54,6 +56,7 @@ class InstanceTable {
   std::vector<uint64_t> keys_;    // by slot
   std::vector<uint32_t> order_;   // slots by (key, slot)
   std::vector<uint32_t> dirty_slots_;
+  bool emitters_dirty_ = false;
   gpu::Buffer record_buffer_;
   gpu::Buffer order_buffer_;
 };

@@ -91,7 +91,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
     instances_.upload(commands);
     tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));
   });
-  if (effects_.has(effects::Effect::emissive_triangles))
+  if (instances_.emittersDirty() && effects_.has(effects::Effect::emissive_triangles))
     graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
   graph.add("assemble", Graph::kShared, {{&instances_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
             [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
@@ -158,10 +158,8 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.meshes = resources_.meshes();
   c.geometries = resources_.geometries();
   c.materials = resources_.materials();
-  c.emitter_instances = emitters_.address();
   c.emitter_triangles = resources_.emitterTriangles();
-  c.emitter_instance_count = effects_.has(effects::Effect::emissive_triangles) ? emitters_.count() : 0;
-  c.emitter_weight_sum = emitters_.weightSum();
+  if (effects_.has(effects::Effect::emissive_triangles)) emitters_.describe(c);
 
   // A disc of half angle a and radiance L gives the irradiance L pi sin^2 a. 1 - cos a = 2 sin^2(a / 2) keeps its digits.
   const scene::Sun& sun = environment_.sun;

@@ -1,7 +1,8 @@
-// Sampling of emissive triangles: an instance in proportion to its power, then a triangle in proportion to its power among
-// the mesh's (both by the alias method [Walker 1977]), then a point by area.
+// Sampling of emissive triangles: an instance (lib/lights.glsl), then a triangle in proportion to its power among the mesh's
+// (alias method [Walker 1977]), then a point by area.
 #ifndef HELIO_EMITTERS_GLSL
 #define HELIO_EMITTERS_GLSL
+#include "lib/lights.glsl"
 #include "lib/surface.glsl"
 
 struct EmitterSample {
@@ -11,18 +12,14 @@ struct EmitterSample {
   float pdf_area;   // per square metre; 0: no sample
 };
 
-EmitterSample sampleEmitter(vec4 u) {
+// As seen from `p`; `select` in [0, 1)^2 chooses the instance, `u` in [0, 1)^3 the triangle and the point.
+EmitterSample sampleEmitter(vec3 p, vec2 select, vec3 u) {
   EmitterSample s;
   s.pdf_area = 0.0;
-
-  // Choose an instance, then a triangle; the fraction left of each number decides between an entry and its alias.
-  const float i = u.x * float(frame.emitter_instance_count);
-  const uint i_index = min(uint(i), frame.emitter_instance_count - 1);
-  EmitterInstance chosen = EmitterInstanceTable(frame.emitter_instances).items[i_index];
-  if (i - float(i_index) >= chosen.keep) chosen = EmitterInstanceTable(frame.emitter_instances).items[chosen.alias];
-  const InstanceRecord instance = InstanceTable(frame.instances).items[chosen.slot];
+  const uint slot = selectEmitter(p, select);
+  const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
-  const float k = u.y * float(mesh.emitter_count);
+  const float k = u.x * float(mesh.emitter_count);
   const uint k_index = min(uint(k), mesh.emitter_count - 1);
   EmitterTriangle triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + k_index];
   if (k - float(k_index) >= triangle.keep)
@@ -30,14 +27,14 @@ EmitterSample sampleEmitter(vec4 u) {
 
   // Choose a point: uniform barycentrics by folding the unit square.
   const Triangle t = loadTriangle(instance, mesh.first_geometry + triangle.geometry, triangle.primitive);
-  const float root = sqrt(u.z);
-  const vec3 w = vec3(1.0 - root, root * (1.0 - u.w), root * u.w);
+  const float root = sqrt(u.y);
+  const vec3 w = vec3(1.0 - root, root * (1.0 - u.z), root * u.z);
   s.position = t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
   const vec3 n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
   const float double_area = length(n);
   if (!(double_area > 0.0)) return s;
   s.normal = n / double_area;
-  s.pdf_area = instance.emitter_weight / frame.emitter_weight_sum * triangle.pmf / (0.5 * double_area);
+  s.pdf_area = emitterProbability(p, slot, instance.emitter_weight) * triangle.pmf / (0.5 * double_area);
 
   const MaterialRecord material = MaterialTable(frame.materials).items[t.geometry.material];
   s.emission = material.emission;

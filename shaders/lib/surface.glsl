@@ -22,7 +22,9 @@ struct Surface {
   mat3 frame_;            // columns: tangent, bitangent, shading normal; on the side of the viewer
   vec3 emission;
   Bsdf bsdf;
-  float emitter_pdf_area; // density per area with which light sampling picks this point; 0: it does not
+  uint slot;              // the instance
+  float emitter_weight;   // of the instance, for lib/lights.glsl
+  float emitter_pdf_area; // density per area with which light sampling picks this point once it has picked the instance; 0: never
 };
 
 vec3 toWorld(InstanceRecord instance, vec3 p) {
@@ -134,11 +136,13 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   s.frame_ = basis(normal);
   s.bsdf = makeBsdf(base.rgb, metallic, roughness, (material.flags & kMaterialLambert) != 0u);
 
-  // p(this point) by area = p(instance) p(triangle | mesh) / area.
+  // p(this point | instance) by area = p(triangle | mesh) / area.
+  s.slot = hit.slot;
+  s.emitter_weight = instance.emitter_weight;
   s.emitter_pdf_area = 0.0;
   if (kEmissiveTriangles && t.geometry.emitter_offset != kNoTexture && double_area > 0.0) {
     const uint emitter = mesh.first_emitter + t.geometry.emitter_offset + hit.primitive;
-    s.emitter_pdf_area = instance.emitter_weight / frame.emitter_weight_sum * EmitterTriangleTable(frame.emitter_triangles).items[emitter].pmf / (0.5 * double_area);
+    s.emitter_pdf_area = EmitterTriangleTable(frame.emitter_triangles).items[emitter].pmf / (0.5 * double_area);
   }
   return s;
 }

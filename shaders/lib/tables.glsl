@@ -11,6 +11,7 @@ layout(buffer_reference, scalar) readonly buffer GeometryTable { GeometryRecord 
 layout(buffer_reference, scalar) readonly buffer MaterialTable { MaterialRecord items[]; };
 layout(buffer_reference, scalar) readonly buffer EmitterInstanceTable { EmitterInstance items[]; };
 layout(buffer_reference, scalar) readonly buffer EmitterTriangleTable { EmitterTriangle items[]; };
+layout(buffer_reference, scalar) readonly buffer LightCellTable { LightCell items[]; };
 layout(buffer_reference, scalar) readonly buffer PositionTable { vec3 items[]; };
 layout(buffer_reference, scalar) readonly buffer AttributeTable { VertexAttributes items[]; };
 layout(buffer_reference, scalar) readonly buffer IndexTable { uint items[]; };

@@ -26,6 +26,10 @@ struct FrameConstants {
   uint64_t materials;
   uint64_t emitter_instances;
   uint64_t emitter_triangles;
+  uint64_t light_cells;     // LightCell: light_grid_size.x a row of z
+  vec2 light_grid_origin;   // metres, x and z
+  uvec2 light_grid_size;    // cells; 0: no grid
+  float light_cells_per_metre;
   uint emitter_instance_count;
   float emitter_weight_sum;
 

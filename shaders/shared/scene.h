@@ -68,6 +68,14 @@ struct EmitterInstance {
   float keep;
 };
 
+// The emissive instances that matter most to one cell of the ground plane, by power over squared distance. `cdf` ends in 1.
+HELIO_CONSTANT kLightsPerCell = 12u;
+struct LightCell {
+  uint count;
+  uint slots[kLightsPerCell];
+  float cdf[kLightsPerCell];
+};
+
 // An emissive triangle of a mesh, chosen in proportion to its power among the mesh's.
 struct EmitterTriangle {
   uint geometry;   // within the mesh

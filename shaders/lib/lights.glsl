@@ -1,0 +1,50 @@
+// Which emissive instance to sample from a point: mostly one of those that matter to the point's cell, sometimes any of the
+// world's in proportion to power, so that the estimate stays unbiased wherever light can come from.
+#ifndef HELIO_LIGHTS_GLSL
+#define HELIO_LIGHTS_GLSL
+#include "lib/tables.glsl"
+
+const float kGlobalShare = 0.25;
+
+// Index of the cell of `p`; kNothing outside of the grid.
+uint lightCellOf(vec3 p) {
+  const vec2 cell = floor((p.xz - frame.light_grid_origin) * frame.light_cells_per_metre);
+  if (any(lessThan(cell, vec2(0.0))) || any(greaterThanEqual(cell, vec2(frame.light_grid_size)))) return kNothing;
+  return uint(cell.y) * frame.light_grid_size.x + uint(cell.x);
+}
+
+// Probability that selectEmitter(p, ...) returns `slot`, whose weight is `weight`.
+float emitterProbability(vec3 p, uint slot, float weight) {
+  const float global = weight / frame.emitter_weight_sum;
+  const uint index = lightCellOf(p);
+  if (index == kNothing) return global;
+  LightCellTable cells = LightCellTable(frame.light_cells);
+  const uint count = cells.items[index].count;
+  if (count == 0u) return global;
+  float local = 0.0, below = 0.0;
+  for (uint i = 0u; i < count; ++i) {
+    const float cdf = cells.items[index].cdf[i];
+    if (cells.items[index].slots[i] == slot) local = cdf - below;
+    below = cdf;
+  }
+  return mix(local, global, kGlobalShare);
+}
+
+// Chooses an instance; u in [0, 1)^2.
+uint selectEmitter(vec3 p, vec2 u) {
+  const uint index = lightCellOf(p);
+  LightCellTable cells = LightCellTable(frame.light_cells);
+  const uint count = index == kNothing ? 0u : cells.items[index].count;
+  if (count > 0u && u.x >= kGlobalShare) {
+    uint i = 0u;
+    while (i + 1u < count && u.y >= cells.items[index].cdf[i]) ++i;
+    return cells.items[index].slots[i];
+  }
+  // By the alias method: the fraction left of u.y decides between an entry and its alias.
+  const float scaled = u.y * float(frame.emitter_instance_count);
+  const uint entry = min(uint(scaled), frame.emitter_instance_count - 1u);
+  const EmitterInstance chosen = EmitterInstanceTable(frame.emitter_instances).items[entry];
+  return scaled - float(entry) < chosen.keep ? chosen.slot : EmitterInstanceTable(frame.emitter_instances).items[chosen.alias].slot;
+}
+
+#endif
