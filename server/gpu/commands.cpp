@@ -188,12 +188,14 @@ void Commands::prepare(const Image& image) {
 void Commands::beginTimer(const std::string& name) {
   if (timestamps_ + 2 > kMaxTimestamps) throw Failure({ErrorKind::limit, "more timed passes in a frame than " + std::to_string(kMaxTimestamps / 2), {}, {}, {}});
   timers_.push_back(name);
-  vkCmdWriteTimestamp2(handle_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, timestamps_++);
+  writeTimestamp();
 }
 
-void Commands::endTimer() {
+void Commands::endTimer() { writeTimestamp(); }
+
+void Commands::writeTimestamp() {
   vkCmdWriteTimestamp2(handle_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, timestamps_++);
-  // lavapipe flushes raster work lazily: without a full barrier here the next pass is billed for this one.
+  // lavapipe flushes raster work lazily: without a full barrier after every timestamp a pass is billed to its neighbour.
   if (device_.cpu()) barrier(use::everything, use::everything);
 }
 

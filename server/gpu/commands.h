@@ -112,6 +112,7 @@ class Commands {
   void endTimer();
 
  private:
+  void writeTimestamp();
   struct Chunk {
     Buffer buffer;
     uint64_t used = 0;
