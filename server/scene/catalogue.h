@@ -21,7 +21,7 @@ struct HouseEntry {
 struct TreeEntry {
   uint32_t prefab;
   bool conifer;
-  bool garden;   ///< fit for streets and gardens too
+  bool garden;  ///< fit for streets and gardens too
   float weight;
 };
 
@@ -35,7 +35,8 @@ struct Catalogue {
   std::vector<TreeEntry> trees;
   uint32_t church = 0, town_hall = 0, glass_hall = 0, windmill = 0, gatehouse = 0;
   uint32_t lantern = 0, globe_lamp = 0;
-  uint32_t fountain = 0, well = 0, statue = 0, bench = 0, planter = 0, barrel = 0, crates = 0, cart = 0, hay_bale = 0, signpost = 0;
+  uint32_t fountain = 0, well = 0, statue = 0, bench = 0, planter = 0, barrel = 0, crates = 0, cart = 0, hay_bale = 0,
+           signpost = 0;
   std::vector<uint32_t> stalls;
   uint32_t hedge = 0, fence = 0, stone_wall = 0, bush = 0;
 

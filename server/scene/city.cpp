@@ -29,7 +29,9 @@ uint64_t mortonCode(uint32_t x, uint32_t z) {
 void sortByHitbox(std::vector<Placement>& placements, const Site& site) {
   const auto code = [&](const Placement& p) {
     const glm::dvec3 position(p.transform[3]);
-    const auto cell = [&](double v) { return static_cast<uint32_t>(std::clamp((v + site.half()) / kHitbox, 0.0, 65535.0)); };
+    const auto cell = [&](double v) {
+      return static_cast<uint32_t>(std::clamp((v + site.half()) / kHitbox, 0.0, 65535.0));
+    };
     return mortonCode(cell(position.x), cell(position.z));
   };
   std::vector<std::pair<uint64_t, Placement>> keyed;

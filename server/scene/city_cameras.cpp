@@ -12,7 +12,8 @@ constexpr float kDegree = 0.017453292f;
 constexpr float kFieldOfView = 50.0f * kDegree;
 
 /// Looks from `position`, `height` metres above its ground, at a point `target_height` metres above that of `target`.
-Camera lookAt(const CityPlan& plan, const glm::dvec2& position, double height, const glm::dvec2& target, double target_height) {
+Camera lookAt(const CityPlan& plan, const glm::dvec2& position, double height, const glm::dvec2& target,
+              double target_height) {
   const glm::dvec3 from(position.x, plan.ground.height(position) + height, position.y);
   const glm::dvec3 to(target.x, plan.ground.height(target) + target_height, target.y);
   return {glm::vec3(from), glm::vec3(glm::normalize(to - from)), {0.0f, 1.0f, 0.0f}, kFieldOfView};
@@ -36,9 +37,12 @@ struct WoodsView {
 /// A place with the longest stretch of woods in front of it, and the place furthest from any border of the woods.
 WoodsView findWoods(const CityPlan& plan) {
   constexpr int kDirections = 24;
+  const size_t stride =
+      1 + plan.blocks.size() / 2'000;  // a large world has more woods than a view needs to be chosen from
   WoodsView view;
   double longest = -1.0, deepest = -1.0;
-  for (const Block& block : plan.blocks) {
+  for (size_t b = 0; b < plan.blocks.size(); b += stride) {
+    const Block& block = plan.blocks[b];
     if (block.use != Use::forest || block.lot.size() < 3) continue;
     const glm::dvec2 middle = centroid(block.lot);
     double nearest_border = 1e300;
@@ -58,7 +62,8 @@ WoodsView findWoods(const CityPlan& plan) {
   return view;
 }
 
-/// A direction from the town (in turns, x towards z) in which a camera at `distance` has no landmark close in front of it.
+/// A direction from the town (in turns, x towards z) in which a camera at `distance` has no landmark close in front of
+/// it.
 double freeDirection(const CityPlan& plan, const Furnishing& furnishing, double distance, double preferred) {
   double best = preferred, best_clearance = -1.0;
   for (int i = -5; i <= 5; ++i) {
@@ -109,15 +114,19 @@ std::vector<NamedCamera> cityCameras(const CityPlan& plan, const Furnishing& fur
                      daylightAt(4.0f, sunset_turns, 0.19)});
 
   cameras.push_back({"high_above", "The whole town from far above",
-                     lookAt(plan, town + south * (1.15 * radius), 1.9 * radius, town + south * (0.08 * radius), 0.0), noon});
+                     lookAt(plan, town + south * (1.15 * radius), 1.9 * radius, town + south * (0.08 * radius), 0.0),
+                     noon});
 
   const double above = std::clamp(0.16 * site.half(), 38.0, 70.0);
   cameras.push_back({"forest", "Treetops from above",
-                     lookAt(plan, woods.deep - woods.direction * (0.42 * above), above, woods.deep + woods.direction * (0.1 * above), 4.0), morning});
+                     lookAt(plan, woods.deep - woods.direction * (0.42 * above), above,
+                            woods.deep + woods.direction * (0.1 * above), 4.0),
+                     morning});
 
   const double crest = 29.0;  // metres: above the tallest tree
   cameras.push_back({"tilted_forest", "Over the treetops towards the horizon",
-                     lookAt(plan, woods.position, crest, woods.position + woods.direction * 100.0, crest - 11.0), morning});
+                     lookAt(plan, woods.position, crest, woods.position + woods.direction * 100.0, crest - 11.0),
+                     morning});
   return cameras;
 }
 

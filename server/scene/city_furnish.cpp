@@ -17,7 +17,8 @@ Rectangle footprint(const Stand& stand, const Aabb& bounds) {
   const glm::dvec2 right{stand.front.y, -stand.front.x};
   const glm::dvec3 centre(bounds.centre()), half(0.5f * bounds.extent());
   const auto scale = static_cast<double>(stand.scale);
-  return {stand.position + (right * centre.x + stand.front * centre.z) * scale, right, glm::dvec2(half.x, half.z) * scale};
+  return {stand.position + (right * centre.x + stand.front * centre.z) * scale, right,
+          glm::dvec2(half.x, half.z) * scale};
 }
 
 namespace {
@@ -29,21 +30,24 @@ struct LandmarkSite {
 };
 
 /// The nearest place to the square, on a block's street side, where the building fits; each block takes one.
-bool placeByTheSquare(const CityPlan& plan, const Catalogue& catalogue, uint32_t prefab, std::vector<LandmarkSite>& placed) {
+bool placeByTheSquare(const CityPlan& plan, const Catalogue& catalogue, uint32_t prefab,
+                      std::vector<LandmarkSite>& placed) {
   const glm::dvec2 market = centroid(plan.blocks[plan.market].lot);
   const Aabb& box = catalogue.bounds(prefab);
   double best = 1e300;
   LandmarkSite choice{};
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
     const Block& block = plan.blocks[i];
-    if (block.use != Use::homes || glm::distance(centroid(block.outline), market) > plan.site.square_half + 120.0) continue;
+    if (block.use != Use::homes || glm::distance(centroid(block.outline), market) > plan.site.square_half + 120.0)
+      continue;
     if (std::any_of(placed.begin(), placed.end(), [&](const LandmarkSite& s) { return s.block == i; })) continue;
     for (size_t edge = 0; edge < block.lot.size(); ++edge) {
       const glm::dvec2 a = block.lot[edge], b = block.lot[(edge + 1) % block.lot.size()];
       const glm::dvec2 along = glm::normalize(b - a), outward{along.y, -along.x};
       const double length = glm::distance(a, b), width = static_cast<double>(box.extent().x);
       for (double t = 0.5; t + width < length; t += 1.0) {
-        const glm::dvec2 p = a + along * (t - static_cast<double>(box.min.x)) - outward * (static_cast<double>(box.max.z) + 0.3);
+        const glm::dvec2 p =
+            a + along * (t - static_cast<double>(box.min.x)) - outward * (static_cast<double>(box.max.z) + 0.3);
         const Stand stand = standBuilding(plan, catalogue, block, prefab, p, outward);
         if (!inside(footprint(stand, box), block.lot)) continue;
         const glm::dvec2 door = p + outward * static_cast<double>(box.max.z);
@@ -72,14 +76,18 @@ void plantWoods(const CityPlan& plan, const Catalogue& catalogue, size_t count, 
       if (block.use != Use::forest || block.lot.size() < 3) continue;
       const std::vector<HalfPlane> lot = halfPlanes(block.lot);
       const Box2 box = bounds(block.lot);
-      for (auto iz = static_cast<int64_t>(std::floor(box.min.y / spacing)); static_cast<double>(iz) * spacing < box.max.y; ++iz) {
-        for (auto ix = static_cast<int64_t>(std::floor(box.min.x / spacing)); static_cast<double>(ix) * spacing < box.max.x; ++ix) {
+      for (auto iz = static_cast<int64_t>(std::floor(box.min.y / spacing));
+           static_cast<double>(iz) * spacing < box.max.y; ++iz) {
+        for (auto ix = static_cast<int64_t>(std::floor(box.min.x / spacing));
+             static_cast<double>(ix) * spacing < box.max.x; ++ix) {
           const uint64_t h = hash64(seed, ix, iz);
           Random random(h);
-          const glm::dvec2 p = glm::dvec2(ix, iz) * spacing + spacing * glm::dvec2(random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f));
+          const glm::dvec2 p = glm::dvec2(ix, iz) * spacing +
+                               spacing * glm::dvec2(random.uniform(0.1f, 0.9f), random.uniform(0.1f, 0.9f));
           if (std::any_of(lot.begin(), lot.end(), [&](const HalfPlane& h2) { return h2.distance(p) < 1.2; })) continue;
           // Stands of conifers and of broadleaves, with mixed borders.
-          const float conifers = fractalNoise(hash64(seed, 1), p.x / 90.0, p.y / 90.0, 2) + 0.25f * (random.uniform() - 0.5f);
+          const float conifers =
+              fractalNoise(hash64(seed, 1), p.x / 90.0, p.y / 90.0, 2) + 0.25f * (random.uniform() - 0.5f);
           const bool conifer = conifers > 0.05f;
           if (!conifer && random.chance(0.3f)) continue;  // broader crowns stand further apart
           const auto fits = [&](const TreeEntry& t) { return t.conifer == conifer; };
@@ -119,7 +127,8 @@ Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t coun
   double best = -1e300;
   for (const glm::dvec2& corner : square) {
     double view = 0.0;
-    for (const Stand& s : result.landmarks) view += glm::dot(glm::normalize(middle - corner), glm::normalize(s.position - corner));
+    for (const Stand& s : result.landmarks)
+      view += glm::dot(glm::normalize(middle - corner), glm::normalize(s.position - corner));
     if (view <= best) continue;
     best = view;
     result.town_view = corner + (middle - corner) * 0.12;
@@ -130,7 +139,9 @@ Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t coun
   size_t mill_block = plan.blocks.size();
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
     if (plan.blocks[i].use != Use::field && plan.blocks[i].use != Use::meadow) continue;
-    const auto off = [&](size_t k) { return std::abs(glm::distance(centroid(plan.blocks[k].lot), plan.site.town_centre) - mill_distance); };
+    const auto off = [&](size_t k) {
+      return std::abs(glm::distance(centroid(plan.blocks[k].lot), plan.site.town_centre) - mill_distance);
+    };
     if (mill_block == plan.blocks.size() || off(i) < off(mill_block)) mill_block = i;
   }
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
@@ -141,7 +152,8 @@ Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t coun
     }
     if (i == mill_block) {
       const glm::dvec2 p = centroid(block.lot);
-      filler.reserve(standBuilding(plan, catalogue, block, catalogue.windmill, p, glm::normalize(plan.site.town_centre - p)));
+      filler.reserve(
+          standBuilding(plan, catalogue, block, catalogue.windmill, p, glm::normalize(plan.site.town_centre - p)));
     }
     filler.fill(result.town_view);
     result.stands.insert(result.stands.end(), filler.fixed.begin(), filler.fixed.end());

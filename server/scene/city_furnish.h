@@ -23,8 +23,8 @@ Rectangle footprint(const Stand& stand, const Aabb& bounds);
 
 struct Furnishing {
   std::vector<Stand> stands;
-  glm::dvec2 town_view{0.0};      ///< a free corner of the market square, for a camera
-  std::vector<Stand> landmarks;   ///< those around the square
+  glm::dvec2 town_view{0.0};     ///< a free corner of the market square, for a camera
+  std::vector<Stand> landmarks;  ///< those around the square
 };
 
 /// Exactly `count` stands: town first, then trees in the woods until the number is met.

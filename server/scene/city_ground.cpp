@@ -1,9 +1,11 @@
 // Terrain meshes. Each lattice triangle is cut exactly along kerbs, pavements, paths and fields, so that the painted
 // plan has sharp edges at any distance; neighbouring pieces share their vertices, so that no light leaks between them.
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <atomic>
+#include <cmath>
 #include <map>
+#include <thread>
 #include <tuple>
 #include <unordered_map>
 
@@ -14,8 +16,7 @@
 namespace helio::scene {
 namespace {
 
-constexpr double kWeld = 2e-4;      // metres: points nearer than this are one
-constexpr double kSliver = 1e-4;    // m^2: smaller pieces are left to the T-junction repair of their neighbours
+constexpr double kWeld = 1e-3;  // metres: points nearer than this are one, and so are points and edges
 constexpr int kCells = static_cast<int>(kTile / kLattice);
 
 /// A convex piece of ground with one paint.
@@ -88,17 +89,60 @@ class PointSet {
   std::unordered_map<int64_t, std::vector<uint32_t>> cells_;
 };
 
+/// A piece's corners with every point that lies on its edges. Where the walk turns back on itself (the piece is thinner
+/// there than kWeld), that part is left out: the neighbours' walks take the same points and close the gap. May come
+/// back with fewer than three points: nothing is left.
+std::vector<uint32_t> walkAround(const std::vector<uint32_t>& corners, const PointSet& points,
+                                 const glm::dvec2& inside) {
+  std::vector<uint32_t> ring;
+  for (size_t k = 0; k < corners.size(); ++k) {
+    ring.push_back(corners[k]);
+    const auto extra = points.between(corners[k], corners[(k + 1) % corners.size()], inside);
+    ring.insert(ring.end(), extra.begin(), extra.end());
+  }
+  for (size_t i = 0; i < ring.size() && ring.size() >= 3;) {
+    const size_t count = ring.size(), before = (i + count - 1) % count, after = (i + 1) % count;
+    if (ring[before] != ring[after]) {
+      ++i;
+      continue;
+    }
+    // ... x, y, x ...: drop y and one x, then look again from the start.
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(std::max(i, after)));
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(std::min(i, after)));
+    i = 0;
+  }
+  return ring;
+}
+
+/// The corner from which a fan covers a convex polygon with triangles that all have some area, or -1.
+int fanCorner(const std::vector<uint32_t>& ring, const PointSet& points) {
+  const size_t count = ring.size();
+  for (size_t first = 0; first < count; ++first) {
+    bool sound = true;
+    for (size_t i = 1; i + 1 < count && sound; ++i) {
+      const glm::dvec2 a = points[ring[first]], b = points[ring[(first + i) % count]],
+                       c = points[ring[(first + i + 1) % count]];
+      sound = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) >
+              kWeld * std::max(glm::distance(a, b), glm::distance(b, c)) * 0.3;
+    }
+    if (sound) return static_cast<int>(first);
+  }
+  return -1;
+}
+
 /// A block made ready for cutting.
 struct Cutter {
   const Block* block;
   Box2 box;
   std::vector<HalfPlane> outline, kerb;
-  std::vector<size_t> kerb_order;                  ///< wide streets first
+  std::vector<size_t> kerb_order;  ///< wide streets first
   std::vector<std::vector<HalfPlane>> zones;
 
-  explicit Cutter(const Block& b) : block(&b), box(bounds(b.outline)), outline(halfPlanes(b.outline)), kerb(halfPlanes(b.kerb)) {
+  explicit Cutter(const Block& b)
+      : block(&b), box(bounds(b.outline)), outline(halfPlanes(b.outline)), kerb(halfPlanes(b.kerb)) {
     for (size_t i = 0; i < kerb.size(); ++i) kerb_order.push_back(i);
-    std::stable_sort(kerb_order.begin(), kerb_order.end(), [&](size_t l, size_t r) { return street(l).rank > street(r).rank; });
+    std::stable_sort(kerb_order.begin(), kerb_order.end(),
+                     [&](size_t l, size_t r) { return street(l).rank > street(r).rank; });
     for (const Zone& zone : b.zones) zones.push_back(halfPlanes(zone.polygon));
   }
   const Street& street(size_t kerb_edge) const {
@@ -106,13 +150,22 @@ struct Cutter {
   }
 };
 
+/// Whether some line has the whole polygon on its outer side: the quick answer for most pairs of triangle and block.
+bool apart(const Polygon& polygon, const std::vector<HalfPlane>& planes) {
+  return std::any_of(planes.begin(), planes.end(), [&](const HalfPlane& plane) {
+    return std::all_of(polygon.begin(), polygon.end(), [&](const glm::dvec2& p) { return plane.distance(p) <= 0.0; });
+  });
+}
+
 /// Cuts the part of `triangle` in one block into painted pieces.
-void cutPieces(const Polygon& triangle, const Cutter& cutter, std::vector<Piece>& pieces, std::vector<KerbFace>& kerbs) {
+void cutPieces(const Polygon& triangle, const Cutter& cutter, std::vector<Piece>& pieces,
+               std::vector<KerbFace>& kerbs) {
   const Block& block = *cutter.block;
+  if (apart(triangle, cutter.outline)) return;
   Polygon rest = clip(triangle, cutter.outline), inner, outer;
   if (rest.empty()) return;
   const auto emit = [&](const Polygon& polygon, uint32_t surface, const glm::dvec2& axis, float raise) {
-    if (polygon.size() >= 3 && area(polygon) > kSliver) pieces.push_back({polygon, surface, axis, raise});
+    if (polygon.size() >= 3) pieces.push_back({polygon, surface, axis, raise});
   };
 
   // Streets: what lies outside the kerb.
@@ -158,21 +211,25 @@ class TileBuilder {
   TileBuilder(const CityPlan& plan, const Palette& palette, glm::dvec2 centre, const PointSet& points)
       : plan_(plan), palette_(palette), centre_(centre), points_(points) {}
 
-  void add(const Piece& piece, const std::vector<uint32_t>& ring, bool fan_from_middle) {
-    const uint64_t paint = hash64((uint64_t{piece.surface} << 32) ^ static_cast<uint64_t>(static_cast<int64_t>(piece.axis.x * 1e6) * 31) ^
-                                  static_cast<uint64_t>(piece.raise * 1000.0f));
+  void add(const Piece& piece, const std::vector<uint32_t>& ring) {
+    const uint64_t paint =
+        hash64((uint64_t{piece.surface} << 32) ^ static_cast<uint64_t>(static_cast<int64_t>(piece.axis.x * 1e6) * 31) ^
+               static_cast<uint64_t>(piece.raise * 1000.0f));
     std::vector<uint32_t>& indices = by_material_[piece.surface];
     std::vector<uint32_t> corners;
     for (uint32_t i : ring) corners.push_back(vertex(piece, points_[i], hash64(paint, i)));
     // (x, z) counter-clockwise is clockwise seen from above: triangles run the other way round.
-    if (fan_from_middle) {
-      const uint32_t middle = vertex(piece, centroid(piece.polygon), hash64(hash64(paint, ring[0]), ~uint64_t{ring[1]}));
-      for (size_t i = 0; i < corners.size(); ++i) {
-        indices.insert(indices.end(), {middle, corners[(i + 1) % corners.size()], corners[i]});
-      }
-    } else {
-      for (size_t i = 1; i + 1 < corners.size(); ++i) indices.insert(indices.end(), {corners[0], corners[i + 1], corners[i]});
+    const size_t count = corners.size();
+    const int first = fanCorner(ring, points_);
+    if (first >= 0) {
+      const auto at = [&](size_t i) { return corners[(static_cast<size_t>(first) + i) % count]; };
+      for (size_t i = 1; i + 1 < count; ++i) indices.insert(indices.end(), {at(0), at(i + 1), at(i)});
+      return;
     }
+    Polygon outline;
+    for (uint32_t i : ring) outline.push_back(points_[i]);
+    const uint32_t middle = vertex(piece, centroid(outline), hash64(hash64(paint, ring[0]), ~uint64_t{ring[1]}));
+    for (size_t i = 0; i < count; ++i) indices.insert(indices.end(), {middle, corners[(i + 1) % count], corners[i]});
   }
 
   void addKerb(const glm::dvec2& a, const glm::dvec2& b, float raise) {
@@ -205,7 +262,9 @@ class TileBuilder {
     const auto [entry, fresh] = vertices_.try_emplace(key, static_cast<uint32_t>(mesh_.positions.size()));
     if (fresh) {
       const glm::dvec2 side{-piece.axis.y, piece.axis.x}, metres = palette_.metres[piece.surface];
-      const auto uv = [&](const glm::dvec2& q) { return glm::dvec2(glm::dot(q, piece.axis), glm::dot(q, side)) / metres; };
+      const auto uv = [&](const glm::dvec2& q) {
+        return glm::dvec2(glm::dot(q, piece.axis), glm::dot(q, side)) / metres;
+      };
       mesh_.positions.push_back(position(p, piece.raise));
       mesh_.normals.push_back(plan_.ground.normal(p));
       mesh_.uvs.push_back(glm::vec2(uv(p) - glm::floor(uv(centre_))));  // whole repetitions off: small numbers, no seam
@@ -222,9 +281,15 @@ class TileBuilder {
   std::unordered_map<uint64_t, uint32_t> vertices_;
 };
 
-Mesh buildTile(const CityPlan& plan, const Palette& palette, const std::vector<const Cutter*>& cutters, glm::dvec2 origin, std::string name) {
+Mesh buildTile(const CityPlan& plan, const Palette& palette, const std::vector<const Cutter*>& cutters,
+               glm::dvec2 origin, std::string name) {
   PointSet points(origin);
-  struct Cell { std::vector<Piece> pieces; std::vector<std::vector<uint32_t>> rings; std::vector<KerbFace> kerbs; bool own; };
+  struct Cell {
+    std::vector<Piece> pieces;
+    std::vector<std::vector<uint32_t>> rings;  // the pieces' corners as points
+    std::vector<KerbFace> kerbs;
+    bool own = false;  // in this tile, not across its border
+  };
   std::vector<Cell> triangles;
   // Cut this tile's triangles and those just across its border, whose cuts put vertices on the border too.
   for (int z = -1; z <= kCells; ++z) {
@@ -254,16 +319,9 @@ Mesh buildTile(const CityPlan& plan, const Palette& palette, const std::vector<c
   for (const Cell& cell : triangles) {
     if (!cell.own) continue;
     for (size_t i = 0; i < cell.pieces.size(); ++i) {
-      const std::vector<uint32_t>& corners = cell.rings[i];
-      if (corners.size() < 3) continue;
-      const glm::dvec2 inside = centroid(cell.pieces[i].polygon);
-      std::vector<uint32_t> ring;
-      for (size_t k = 0; k < corners.size(); ++k) {
-        ring.push_back(corners[k]);
-        const auto extra = points.between(corners[k], corners[(k + 1) % corners.size()], inside);
-        ring.insert(ring.end(), extra.begin(), extra.end());
-      }
-      builder.add(cell.pieces[i], ring, ring.size() > corners.size());
+      const std::vector<uint32_t> ring = walkAround(cell.rings[i], points, centroid(cell.pieces[i].polygon));
+      if (ring.size() < 3) continue;
+      builder.add(cell.pieces[i], ring);
     }
     for (const KerbFace& kerb : cell.kerbs) {
       std::vector<uint32_t> line{points.weld(kerb.a)};
@@ -292,7 +350,8 @@ Mesh buildApron(const CityPlan& plan, const Palette& palette, int side, std::str
   std::map<uint32_t, std::vector<uint32_t>> by_material;
   std::map<std::tuple<uint32_t, int, int>, uint32_t> vertices;
   const auto vertex = [&](uint32_t material, int row, int column) {
-    const auto [entry, fresh] = vertices.try_emplace({material, row, column}, static_cast<uint32_t>(mesh.positions.size()));
+    const auto [entry, fresh] =
+        vertices.try_emplace({material, row, column}, static_cast<uint32_t>(mesh.positions.size()));
     if (fresh) {
       const glm::dvec2 p = point(row, column);
       mesh.positions.push_back(glm::vec3(glm::dvec3(p.x, plan.ground.height(p), p.y)));
@@ -309,7 +368,8 @@ Mesh buildApron(const CityPlan& plan, const Palette& palette, int side, std::str
         glm::dvec2 middle(0.0);
         for (const Corner& corner : triangle) middle += point(corner.first, corner.second) / 3.0;
         const bool wooded = fractalNoise(hash64(plan.site.seed, 60), middle.x / 240.0, middle.y / 240.0, 3) > -0.05f;
-        for (const Corner& corner : triangle) vertex(wooded ? palette.hill_woods : palette.hill, corner.first, corner.second);
+        for (const Corner& corner : triangle)
+          vertex(wooded ? palette.hill_woods : palette.hill, corner.first, corner.second);
       }
     }
   }
@@ -328,22 +388,33 @@ Ground buildGround(const CityPlan& plan, const Palette& palette) {
   std::vector<std::vector<const Cutter*>> by_tile(static_cast<size_t>(tiles * tiles));
   for (const Cutter& cutter : cutters) {
     // A tile also cuts the triangles around it: take its neighbourhood of one lattice square.
-    const auto index = [&](double v) { return std::clamp(static_cast<int>(std::floor((v + plan.site.half()) / kTile)), 0, tiles - 1); };
+    const auto index = [&](double v) {
+      return std::clamp(static_cast<int>(std::floor((v + plan.site.half()) / kTile)), 0, tiles - 1);
+    };
     for (int z = index(cutter.box.min.y - kLattice); z <= index(cutter.box.max.y + kLattice); ++z) {
       for (int x = index(cutter.box.min.x - kLattice); x <= index(cutter.box.max.x + kLattice); ++x) {
         by_tile[static_cast<size_t>(z * tiles + x)].push_back(&cutter);
       }
     }
   }
+  // Tiles are independent of each other: every thread takes the next one, and the result does not depend on which.
   Ground ground;
-  for (int z = 0; z < tiles; ++z) {
-    for (int x = 0; x < tiles; ++x) {
+  ground.meshes.resize(by_tile.size());
+  ground.centres.resize(by_tile.size());
+  std::atomic<size_t> next{0};
+  const auto work = [&] {
+    for (size_t i = next++; i < by_tile.size(); i = next++) {
+      const int x = static_cast<int>(i) % tiles, z = static_cast<int>(i) / tiles;
       const glm::dvec2 origin = glm::dvec2(x, z) * kTile - plan.site.half();
       const std::string name = "terrain_" + std::to_string(x) + "_" + std::to_string(z);
-      ground.meshes.push_back(buildTile(plan, palette, by_tile[static_cast<size_t>(z * tiles + x)], origin, name));
-      ground.centres.push_back(origin + 0.5 * kTile);
+      ground.meshes[i] = buildTile(plan, palette, by_tile[i], origin, name);
+      ground.centres[i] = origin + 0.5 * kTile;
     }
-  }
+  };
+  std::vector<std::thread> helpers(std::min<size_t>(std::max(1u, std::thread::hardware_concurrency()), 16) - 1);
+  for (std::thread& helper : helpers) helper = std::thread(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
   for (int side = 0; side < 4; ++side) {
     ground.meshes.push_back(buildApron(plan, palette, side, "terrain_hills_" + std::to_string(side)));
     ground.centres.push_back(glm::dvec2(0.0));

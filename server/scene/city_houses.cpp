@@ -12,17 +12,17 @@ enum class Front { door, shop, gate };  // what the ground floor shows to the st
 struct HouseDesign {
   Quarter quarter;
   float weight;
-  int bays, depth;      ///< window axes along the street and away from it
+  int bays, depth;  ///< window axes along the street and away from it
   int storeys;
   Roof roof;
-  float rise;           ///< metres from the eaves to the ridge
+  float rise;  ///< metres from the eaves to the ridge
   uint32_t wall, ground_wall, roof_cover, trim;
   Front front = Front::door;
-  int dormers = 0;      ///< on the street side
+  int dormers = 0;  ///< on the street side
   int chimneys = 1;
-  int wing = 0;         ///< bays of a gabled wing towards the back, 0 = none
-  bool tower = false;   ///< a corner turret
-  int lit = 0;          ///< windows with a light behind them
+  int wing = 0;        ///< bays of a gabled wing towards the back, 0 = none
+  bool tower = false;  ///< a corner turret
+  int lit = 0;         ///< windows with a light behind them
 };
 
 /// A box-shaped part of a house: walls, openings and roof.
@@ -64,9 +64,7 @@ class HouseBuilder {
                                             : glm::vec3(-1, 0, 0);
       const glm::vec3 right{outward.z, 0.0f, -outward.x};
       b_.setFrame(centre + outward * out - right * (0.5f * span) + glm::vec3(0.0f, kPlinth, 0.0f), side);
-      for (int storey = 0; storey < storeys; ++storey) {
-        facade(side, across ? bays : depth, storey, main);
-      }
+      for (int storey = 0; storey < storeys; ++storey) { facade(side, across ? bays : depth, storey, main); }
     }
     b_.setFrame(centre);
     if (main && d_.storeys > 2) stringCourse(b_, d_.trim, width, length, kPlinth + kStorey - 0.12f, 0.2f, 0.09f);
@@ -79,7 +77,8 @@ class HouseBuilder {
     for (int bay = 0; bay < bays; ++bay) {
       const float x = (static_cast<float>(bay) + 0.5f) * kBay;
       if (side == 0 && main && storey == 0) groundFloor(openings, x, bay, bays);
-      else if (hasWindow(side, bay, bays, storey)) openings.push_back({x - 0.55f, x + 0.55f, low + 0.85f, low + 2.35f, glass()});
+      else if (hasWindow(side, bay, bays, storey))
+        openings.push_back({x - 0.55f, x + 0.55f, low + 0.85f, low + 2.35f, glass()});
     }
     wallWithOpenings(b_, storey == 0 ? d_.ground_wall : d_.wall, 0.0f, span, low, high, openings);
     if (side == 0 && main && storey == 0) frontage(span, bays);
@@ -95,7 +94,8 @@ class HouseBuilder {
 
   void groundFloor(std::vector<Opening>& openings, float x, int bay, int bays) {
     const uint32_t leaf = p_.door[hash64(seed_, 5) % p_.door.size()];
-    const int door_bay = d_.front == Front::gate ? bays / 2 : static_cast<int>(hash64(seed_, 9) % static_cast<uint64_t>(bays));
+    const int door_bay =
+        d_.front == Front::gate ? bays / 2 : static_cast<int>(hash64(seed_, 9) % static_cast<uint64_t>(bays));
     if (d_.front == Front::gate) {
       if (bay == door_bay) openings.push_back({x - 1.1f, x + 1.1f, 0.0f, 2.7f, leaf});
     } else if (bay == door_bay) {

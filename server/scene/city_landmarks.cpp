@@ -12,7 +12,10 @@ template <typename Draw>
 void onWalls(MeshBuilder& b, vec3 centre, float width, float depth, Draw draw) {
   for (int side = 0; side < 4; ++side) {
     const float span = side % 2 == 0 ? width : depth, out = 0.5f * (side % 2 == 0 ? depth : width);
-    const vec3 outward = side == 0 ? vec3(0, 0, 1) : side == 1 ? vec3(1, 0, 0) : side == 2 ? vec3(0, 0, -1) : vec3(-1, 0, 0);
+    const vec3 outward = side == 0   ? vec3(0, 0, 1)
+                         : side == 1 ? vec3(1, 0, 0)
+                         : side == 2 ? vec3(0, 0, -1)
+                                     : vec3(-1, 0, 0);
     const vec3 right{outward.z, 0.0f, -outward.x};
     b.setFrame(centre + outward * out - right * (0.5f * span), side);
     draw(side, span);
@@ -65,7 +68,7 @@ Mesh church(const Palette& p) {
   });
   stringCourse(b, trim, 7.0f, 7.0f, 11.8f, 0.4f, 0.2f);
   stringCourse(b, trim, 7.0f, 7.0f, 21.8f, 0.5f, 0.35f);
-  b.prism(p.copper, {0.0f, 22.3f, 0.0f}, 4.6f, 1.6f, 4.5f, 8);
+  b.prism(p.copper, {0.0f, 22.3f, 0.0f}, 4.6f, 1.6f, 4.5f, 8, true);
   b.prism(p.copper, {0.0f, 26.8f, 0.0f}, 1.6f, 0.0f, 9.0f, 8);
   b.blob(p.gold, {0.0f, 35.9f, 0.0f}, vec3(0.35f), 0, 0.0f, 1);
   b.box(p.ashlar[1], {-2.0f, -kFoundation, 3.4f}, {2.0f, 0.33f, 4.6f}, kNoBottom);
@@ -82,10 +85,11 @@ Mesh townHall(const Palette& p) {
     auto ground = axes(count, span, 1.3f, side == 0 ? 0.1f : 0.9f, 2.9f, p.window);
     if (side == 0) ground[5] = {0.5f * span - 1.1f, 0.5f * span + 1.1f, 0.0f, 3.0f, p.door[0]};
     wallWithOpenings(b, stone, 0.0f, span, 0.0f, 4.0f, ground, 0.4f);
-    wallWithOpenings(b, wall, 0.0f, span, 4.0f, 7.8f, side == 2 ? axes(5, span, 1.2f, 4.7f, 7.0f, p.window)
-                                                               : axes(count, span, 1.2f, 4.7f, 7.0f, p.window), 0.2f);
-    wallWithOpenings(b, wall, 0.0f, span, 7.8f, 11.0f, side == 0 ? axes(count, span, 1.1f, 8.5f, 10.2f, p.window)
-                                                                : std::vector<Opening>{}, 0.2f);
+    wallWithOpenings(
+        b, wall, 0.0f, span, 4.0f, 7.8f,
+        side == 2 ? axes(5, span, 1.2f, 4.7f, 7.0f, p.window) : axes(count, span, 1.2f, 4.7f, 7.0f, p.window), 0.2f);
+    wallWithOpenings(b, wall, 0.0f, span, 7.8f, 11.0f,
+                     side == 0 ? axes(count, span, 1.1f, 8.5f, 10.2f, p.window) : std::vector<Opening>{}, 0.2f);
   });
   b.setFrame();
   stringCourse(b, trim, width, depth, kPlinth + 3.9f, 0.3f, 0.18f);
@@ -109,7 +113,7 @@ Mesh townHall(const Palette& p) {
   });
   stringCourse(b, trim, 5.6f, 5.6f, 15.4f, 0.35f, 0.2f);
   stringCourse(b, trim, 5.6f, 5.6f, 22.8f, 0.45f, 0.35f);
-  b.prism(p.copper, {0.0f, 23.25f, 0.0f}, 4.1f, 2.2f, 2.6f, 4);
+  b.prism(p.copper, {0.0f, 23.25f, 0.0f}, 4.1f, 2.2f, 2.6f, 4, true);
   b.prism(p.copper, {0.0f, 25.85f, 0.0f}, 1.9f, 1.7f, 2.2f, 8);
   b.prism(p.copper, {0.0f, 28.05f, 0.0f}, 2.0f, 0.0f, 5.0f, 8, true);
   b.blob(p.gold, {0.0f, 33.1f, 0.0f}, vec3(0.3f), 0, 0.0f, 2);

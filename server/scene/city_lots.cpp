@@ -48,7 +48,8 @@ bool LotFiller::onPath(const glm::dvec2& p) const {
   });
 }
 
-bool LotFiller::stand(uint32_t prefab, const glm::dvec2& p, const glm::dvec2& front, double clearance, bool is_fixed, float scale) {
+bool LotFiller::stand(uint32_t prefab, const glm::dvec2& p, const glm::dvec2& front, double clearance, bool is_fixed,
+                      float scale) {
   if (taken(p, clearance)) return false;
   const Stand s{prefab, p, level(p), front, scale};
   if (is_fixed) fixed.push_back(s);
@@ -89,13 +90,26 @@ uint32_t LotFiller::chooseTree(bool garden) {
 void LotFiller::fill(const glm::dvec2& keep_clear) {
   if (block_.lot.size() < 3) return;
   switch (block_.use) {
-    case Use::square: square(keep_clear); break;
-    case Use::homes: homes(); break;
-    case Use::park: park(); break;
-    case Use::field: field(); break;
-    case Use::orchard: orchard(); break;
-    case Use::meadow: meadow(); break;
-    case Use::forest: break;  // the woods are planted last, for the whole city
+    case Use::square:
+      square(keep_clear);
+      break;
+    case Use::homes:
+      homes();
+      break;
+    case Use::park:
+      park();
+      break;
+    case Use::field:
+      field();
+      break;
+    case Use::orchard:
+      orchard();
+      break;
+    case Use::meadow:
+      meadow();
+      break;
+    case Use::forest:
+      break;  // the woods are planted last, for the whole city
   }
 }
 
@@ -105,7 +119,9 @@ void LotFiller::homes() {
   // The best street first: it gets its row from corner to corner.
   std::vector<size_t> edges;
   for (size_t i = 0; i < block_.lot.size(); ++i) edges.push_back(i);
-  const auto rank = [&](size_t i) { return block_.streetAlong(block_.lot[i], block_.lot[(i + 1) % block_.lot.size()]).rank; };
+  const auto rank = [&](size_t i) {
+    return block_.streetAlong(block_.lot[i], block_.lot[(i + 1) % block_.lot.size()]).rank;
+  };
   std::stable_sort(edges.begin(), edges.end(), [&](size_t l, size_t r) { return rank(l) > rank(r); });
   for (size_t edge : edges) row(edge);
   streetFurniture();
@@ -115,7 +131,9 @@ void LotFiller::homes() {
 void LotFiller::row(size_t edge) {
   const EdgeFrame e = edgeFrame(block_.lot, edge);
   const bool suburb = block_.quarter == Quarter::suburb;
-  const double setback = suburb ? 2.5 + 2.5 * random_.uniform() : block_.quarter == Quarter::town ? 0.8 * random_.uniform() : 0.0;
+  const double setback = suburb                            ? 2.5 + 2.5 * random_.uniform()
+                         : block_.quarter == Quarter::town ? 0.8 * random_.uniform()
+                                                           : 0.0;
   double t = suburb ? 2.0 : 0.0;
   while (t < e.length - 5.0) {
     if (!placeHouse(e.a, e.along, t, e.length, setback)) t += 1.0;
@@ -137,7 +155,8 @@ bool LotFiller::placeHouse(const glm::dvec2& a, const glm::dvec2& along, double&
     walls.half -= glm::dvec2(0.1, 0.35);
     walls.centre -= outward * 0.35;
     if (!inside(walls, block_.lot)) continue;
-    if (std::any_of(buildings_.begin(), buildings_.end(), [&](const Rectangle& r) { return overlap(r, covered); })) continue;
+    if (std::any_of(buildings_.begin(), buildings_.end(), [&](const Rectangle& r) { return overlap(r, covered); }))
+      continue;
     buildings_.push_back(covered);
     fixed.push_back(s);
     const double gap = block_.quarter == Quarter::centre ? 0.12
@@ -172,7 +191,9 @@ void LotFiller::streetFurniture() {
     if (street.pavement < 2.0) continue;
     for (double t = 4.0; t < e.length - 4.0; t += 7.0) {
       if (!random_.chance(0.3f)) continue;
-      const uint32_t thing = random_.chance(0.4f) ? catalogue_.bench : random_.chance(0.5f) ? catalogue_.barrel : catalogue_.crates;
+      const uint32_t thing = random_.chance(0.4f)   ? catalogue_.bench
+                             : random_.chance(0.5f) ? catalogue_.barrel
+                                                    : catalogue_.crates;
       const glm::dvec2 p = e.a + e.along * (t + random_.uniform(0.0f, 3.0f)) - e.outward * (street.pavement - 0.75);
       stand(thing, p, e.outward, 0.5, false);
     }
@@ -181,7 +202,11 @@ void LotFiller::streetFurniture() {
 
 void LotFiller::gardens() {
   const bool suburb = block_.quarter == Quarter::suburb;
-  if (suburb) boundary(random_.chance(0.6f) ? catalogue_.hedge : random_.chance(0.5f) ? catalogue_.fence : catalogue_.stone_wall, 0.5, 0.92);
+  if (suburb)
+    boundary(random_.chance(0.6f)   ? catalogue_.hedge
+             : random_.chance(0.5f) ? catalogue_.fence
+                                    : catalogue_.stone_wall,
+             0.5, 0.92);
   const Box2 box = bounds(block_.lot);
   const double density = block_.quarter == Quarter::centre ? 1.0 / 110.0 : 1.0 / 38.0;
   const int wishes = static_cast<int>(area(block_.lot) * density);
@@ -274,7 +299,8 @@ void LotFiller::park() {
     const glm::dvec2 p{glm::mix(box.min.x, box.max.x, static_cast<double>(random_.uniform())),
                        glm::mix(box.min.y, box.max.y, static_cast<double>(random_.uniform()))};
     if (!contains(block_.lot, p, 3.0) || onPath(p)) continue;
-    if (random_.chance(0.75f)) stand(chooseTree(random_.chance(0.6f)), p, anyDirection(), 2.4, false, random_.uniform(0.8f, 1.1f));
+    if (random_.chance(0.75f))
+      stand(chooseTree(random_.chance(0.6f)), p, anyDirection(), 2.4, false, random_.uniform(0.8f, 1.1f));
     else stand(catalogue_.bush, p, anyDirection(), 1.2, false, random_.uniform(0.8f, 1.3f));
   }
 }
@@ -290,7 +316,8 @@ void LotFiller::field() {
     for (int i = 0; i < 8; ++i) {
       const glm::dvec2 p{glm::mix(box.min.x, box.max.x, static_cast<double>(random_.uniform())),
                          glm::mix(box.min.y, box.max.y, static_cast<double>(random_.uniform()))};
-      if (contains(zone.polygon, p, 3.0)) stand(catalogue_.hay_bale, p, anyDirection(), 2.5, false, random_.uniform(0.8f, 1.1f));
+      if (contains(zone.polygon, p, 3.0))
+        stand(catalogue_.hay_bale, p, anyDirection(), 2.5, false, random_.uniform(0.8f, 1.1f));
     }
   }
 }
@@ -303,9 +330,12 @@ void LotFiller::farmstead() {
     double t = 8.0 + 10.0 * random_.uniform();
     std::vector<Stand> group;
     for (int k = 0; k < 2; ++k) {
-      const uint32_t prefab = catalogue_.houses[k == 0 ? catalogue_.houses.size() - 5 : catalogue_.houses.size() - 4 + random_.below(2)].prefab;
+      const uint32_t prefab =
+          catalogue_.houses[k == 0 ? catalogue_.houses.size() - 5 : catalogue_.houses.size() - 4 + random_.below(2)]
+              .prefab;
       const Aabb& box = catalogue_.bounds(prefab);
-      const glm::dvec2 p = e.a + e.along * (t - static_cast<double>(box.min.x)) - e.outward * (5.0 + static_cast<double>(box.max.z));
+      const glm::dvec2 p =
+          e.a + e.along * (t - static_cast<double>(box.min.x)) - e.outward * (5.0 + static_cast<double>(box.max.z));
       const Stand s = standBuilding(plan_, catalogue_, block_, prefab, p, e.outward);
       if (!inside(footprint(s, box), block_.lot)) return;
       group.push_back(s);
@@ -316,7 +346,8 @@ void LotFiller::farmstead() {
     stand(catalogue_.cart, yard, anyDirection(), 1.6, false);
     stand(catalogue_.well, e.a + e.along * 3.0 - e.outward * 7.0, anyDirection(), 1.4, false);
     for (int k = 0; k < 5; ++k) {
-      const glm::dvec2 p = e.a + e.along * (t * static_cast<double>(random_.uniform())) - e.outward * static_cast<double>(random_.uniform(18.0f, 24.0f));
+      const glm::dvec2 p = e.a + e.along * (t * static_cast<double>(random_.uniform())) -
+                           e.outward * static_cast<double>(random_.uniform(18.0f, 24.0f));
       if (contains(block_.lot, p, 2.0)) stand(chooseTree(true), p, anyDirection(), 2.4, false);
     }
     return;
@@ -333,7 +364,8 @@ void LotFiller::hedgerow() {
     for (double t = 3.0; t < e.length - 3.0; t += spacing) {
       const glm::dvec2 p = e.a + e.along * t - e.outward * 0.9;
       if (street.rank == 4) stand(poplar, p, anyDirection(), 1.5, false, random_.uniform(0.85f, 1.1f));
-      else if (random_.chance(0.30f)) stand(chooseTree(random_.chance(0.5f)), p, anyDirection(), 1.8, false, random_.uniform(0.7f, 1.0f));
+      else if (random_.chance(0.30f))
+        stand(chooseTree(random_.chance(0.5f)), p, anyDirection(), 1.8, false, random_.uniform(0.7f, 1.0f));
       else if (random_.chance(0.5f)) stand(catalogue_.bush, p, anyDirection(), 1.0, false, random_.uniform(0.9f, 1.6f));
     }
   }
@@ -345,7 +377,8 @@ void LotFiller::orchard() {
   const uint32_t apple = catalogue_.trees[8].prefab;
   for (double y = -box.half.y + 4.0; y < box.half.y - 3.0; y += 6.5) {
     for (double x = -box.half.x + 4.0; x < box.half.x - 3.0; x += 6.0) {
-      const glm::dvec2 p = box.centre + box.axis * x + across * y + glm::dvec2(random_.uniform(-0.5f, 0.5f), random_.uniform(-0.5f, 0.5f));
+      const glm::dvec2 p = box.centre + box.axis * x + across * y +
+                           glm::dvec2(random_.uniform(-0.5f, 0.5f), random_.uniform(-0.5f, 0.5f));
       if (contains(block_.lot, p, 3.0)) stand(apple, p, anyDirection(), 1.6, false, random_.uniform(0.8f, 1.15f));
     }
   }
@@ -360,7 +393,8 @@ void LotFiller::meadow() {
     const glm::dvec2 p{glm::mix(box.min.x, box.max.x, static_cast<double>(random_.uniform())),
                        glm::mix(box.min.y, box.max.y, static_cast<double>(random_.uniform()))};
     if (!contains(block_.lot, p, 4.0)) continue;
-    stand(random_.chance(0.7f) ? chooseTree(random_.chance(0.3f)) : catalogue_.bush, p, anyDirection(), 3.0, false, random_.uniform(0.8f, 1.2f));
+    stand(random_.chance(0.7f) ? chooseTree(random_.chance(0.3f)) : catalogue_.bush, p, anyDirection(), 3.0, false,
+          random_.uniform(0.8f, 1.2f));
   }
 }
 

@@ -45,7 +45,8 @@ class LotFiller {
 
   bool taken(const glm::dvec2& p, double radius) const;
   bool onPath(const glm::dvec2& p) const;
-  bool stand(uint32_t prefab, const glm::dvec2& p, const glm::dvec2& front, double clearance, bool is_fixed, float scale = 1.0f);
+  bool stand(uint32_t prefab, const glm::dvec2& p, const glm::dvec2& front, double clearance, bool is_fixed,
+             float scale = 1.0f);
   uint32_t chooseHouse(Quarter quarter);
   uint32_t chooseTree(bool garden);
   glm::dvec2 anyDirection() { return unitVector(random_.uniform()); }
@@ -56,7 +57,10 @@ class LotFiller {
   const Block& block_;
   Random random_;
   std::vector<Rectangle> buildings_;
-  struct Spot { glm::dvec2 p; double radius; };
+  struct Spot {
+    glm::dvec2 p;
+    double radius;
+  };
   std::vector<Spot> spots_;
 };
 

@@ -13,11 +13,11 @@ using glm::vec3;
 struct BroadleafShape {
   const char* name;
   uint32_t foliage, bark;
-  float height;       ///< metres to the top
-  float crown;        ///< radius of the crown in metres
-  float trunk;        ///< radius at the ground in metres
-  float clear;        ///< height of the crown's lower edge as a part of the height
-  int clumps;         ///< balls around the middle one
+  float height;  ///< metres to the top
+  float crown;   ///< radius of the crown in metres
+  float trunk;   ///< radius at the ground in metres
+  float clear;   ///< height of the crown's lower edge as a part of the height
+  int clumps;    ///< balls around the middle one
   uint64_t seed;
 };
 
@@ -33,7 +33,8 @@ Mesh broadleaf(const Palette& p, const BroadleafShape& s) {
     const float reach = s.crown * random.uniform(0.42f, 0.56f), size = s.crown * random.uniform(0.42f, 0.58f);
     const float y = middle + half * random.uniform(-0.4f, 0.5f);
     b.blob(s.foliage, {static_cast<float>(d.x) * reach, y, static_cast<float>(d.y) * reach},
-           {size, std::min(size * 0.9f, half * 0.7f), size}, i % 2 == 0 ? 1 : 0, 0.13f, s.seed * 31 + static_cast<uint64_t>(i));
+           {size, std::min(size * 0.9f, half * 0.7f), size}, i % 2 == 0 ? 1 : 0, 0.13f,
+           s.seed * 31 + static_cast<uint64_t>(i));
   }
   return b.build();
 }
@@ -42,7 +43,7 @@ struct ConiferShape {
   const char* name;
   uint32_t needles, bark;
   float height, radius;
-  float clear;       ///< height of the lowest branches in metres
+  float clear;  ///< height of the lowest branches in metres
   int tiers, sides;
   uint64_t seed;
 };
@@ -56,12 +57,14 @@ Mesh conifer(const Palette& p, const ConiferShape& s) {
   for (int tier = 0; tier < s.tiers; ++tier) {
     const float t = static_cast<float>(tier) / static_cast<float>(s.tiers);
     const float radius = s.radius * (1.0f - 0.88f * t);
-    const float hem = s.clear + span * t * 0.92f, apex = std::min(s.height, hem + span * (1.38f / static_cast<float>(s.tiers)) + 0.3f);
+    const float hem = s.clear + span * t * 0.92f,
+                apex = std::min(s.height, hem + span * (1.38f / static_cast<float>(s.tiers)) + 0.3f);
     std::vector<vec3> rim;
     for (int i = 0; i < s.sides; ++i) {
       const glm::dvec2 d = unitVector((i + 0.3 * random.uniform() + 0.5 * (tier % 2)) / s.sides);
       const float r = radius * (i % 2 == 0 ? 1.0f : 0.74f) * random.uniform(0.9f, 1.08f);
-      rim.push_back({static_cast<float>(d.x) * r, hem - 0.18f * r + (i % 2 == 0 ? 0.0f : 0.12f * radius), -static_cast<float>(d.y) * r});
+      rim.push_back({static_cast<float>(d.x) * r, hem - 0.18f * r + (i % 2 == 0 ? 0.0f : 0.12f * radius),
+                     -static_cast<float>(d.y) * r});
     }
     const vec3 top(0.0f, apex, 0.0f), under(0.0f, hem + 0.12f * radius, 0.0f);
     for (int i = 0; i < s.sides; ++i) {
@@ -82,7 +85,8 @@ Mesh pine(const Palette& p, uint64_t seed) {
     const glm::dvec2 d = unitVector(0.38 * i + 0.1 * random.uniform());
     const float r = i == 4 ? 0.1f : 1.4f, y = 7.6f + 0.95f * static_cast<float>(i);
     b.blob(p.needles[2], {static_cast<float>(d.x) * r, y, static_cast<float>(d.y) * r},
-           {random.uniform(1.7f, 2.2f), 0.85f, random.uniform(1.7f, 2.2f)}, i % 2, 0.18f, seed + static_cast<uint64_t>(i));
+           {random.uniform(1.7f, 2.2f), 0.85f, random.uniform(1.7f, 2.2f)}, i % 2, 0.18f,
+           seed + static_cast<uint64_t>(i));
   }
   return b.build();
 }
@@ -92,7 +96,8 @@ Mesh column(const Palette& p, const char* name, uint32_t foliage, float height, 
   MeshBuilder b(name, p);
   b.frustum(p.bark[0], {0.0f, -0.6f, 0.0f}, 0.28f, 0.2f, 2.4f, 6);
   b.blob(foliage, {0.0f, 0.5f * height + 0.5f, 0.0f}, {radius, 0.5f * height - 0.5f, radius}, 1, 0.13f, seed);
-  b.blob(foliage, {0.12f * radius, 0.36f * height, 0.2f * radius}, {1.12f * radius, 0.26f * height, 1.1f * radius}, 1, 0.15f, seed + 1);
+  b.blob(foliage, {0.12f * radius, 0.36f * height, 0.2f * radius}, {1.12f * radius, 0.26f * height, 1.1f * radius}, 1,
+         0.15f, seed + 1);
   return b.build();
 }
 
@@ -104,8 +109,12 @@ Mesh hedge(const Palette& p) {
   for (const float s : {1.0f, -1.0f}) {
     b.quad(m, {-s * x, low, s * z}, {s * x, low, s * z}, {s * x, shoulder, s * z}, {-s * x, shoulder, s * z});
     b.quad(m, {-s * x, shoulder, s * z}, {s * x, shoulder, s * z}, {s * x, top, s * zt}, {-s * x, top, s * zt});
-    b.polygon(m, {{s * x, low, s * z}, {s * x, low, -s * z}, {s * x, shoulder, -s * z}, {s * x, top, -s * zt},
-                  {s * x, top, s * zt}, {s * x, shoulder, s * z}});
+    b.polygon(m, {{s * x, low, s * z},
+                  {s * x, low, -s * z},
+                  {s * x, shoulder, -s * z},
+                  {s * x, top, -s * zt},
+                  {s * x, top, s * zt},
+                  {s * x, shoulder, s * z}});
   }
   b.quad(m, {-x, top, zt}, {x, top, zt}, {x, top, -zt}, {-x, top, -zt});
   return b.build();

@@ -47,7 +47,8 @@ class Planner {
     std::vector<Region> open;
     for (int i = 0; i < 4; ++i) {
       const glm::dvec2 normal = unitVector(0.25 * i + turn);
-      const HalfPlane line{normal, glm::dot(normal, site_.town_centre) - site_.square_half * random_.uniform(0.92f, 1.12f)};
+      const HalfPlane line{normal,
+                           glm::dot(normal, site_.town_centre) - site_.square_half * random_.uniform(0.92f, 1.12f)};
       open.push_back(cut(world, reversed(line), mainRoad()));
       world = cut(world, line, mainRoad());
     }
@@ -116,15 +117,15 @@ class Planner {
     return false;
   }
 
-  /// The normal of a cut across the box, leaning towards the town's rays and rings: streets that lead to the market, and
-  /// streets that go around it.
+  /// The normal of a cut across the box, leaning towards the town's rays and rings: streets that lead to the market,
+  /// and streets that go around it.
   glm::dvec2 aroundTown(const Rectangle& box) const {
     const glm::dvec2 offset = box.centre - site_.town_centre;
     if (glm::length(offset) < 1.5 * site_.square_half) return box.axis;
     const glm::dvec2 ray = glm::normalize(offset), ring{-ray.y, ray.x};
     const double along_ray = glm::dot(ray, box.axis), along_ring = glm::dot(ring, box.axis);
     const glm::dvec2 lean = std::abs(along_ray) > std::abs(along_ring) ? ray * (along_ray < 0.0 ? -1.0 : 1.0)
-                                                                     : ring * (along_ring < 0.0 ? -1.0 : 1.0);
+                                                                       : ring * (along_ring < 0.0 ? -1.0 : 1.0);
     return glm::normalize(glm::mix(box.axis, lean, 0.55));
   }
 
@@ -177,7 +178,8 @@ void paint(Block& block, const Palette& palette) {
       block.zones.push_back({block.lot, palette.market, axis});
       break;
     case Use::homes:
-      block.zones.push_back({block.lot, block.quarter == Quarter::centre ? palette.courtyard : palette.lawn[random.below(3)], axis});
+      block.zones.push_back(
+          {block.lot, block.quarter == Quarter::centre ? palette.courtyard : palette.lawn[random.below(3)], axis});
       break;
     case Use::park: {
       const std::vector<HalfPlane> lot = halfPlanes(block.lot);
@@ -208,9 +210,15 @@ void paint(Block& block, const Palette& palette) {
       block.zones.push_back({block.lot, block.pavement, axis});
       break;
     }
-    case Use::orchard: block.zones.push_back({block.lot, palette.lawn[0], axis}); break;
-    case Use::meadow: block.zones.push_back({block.lot, palette.meadow[random.below(3)], axis}); break;
-    case Use::forest: block.zones.push_back({block.lot, palette.forest_floor, {1.0, 0.0}}); break;
+    case Use::orchard:
+      block.zones.push_back({block.lot, palette.lawn[0], axis});
+      break;
+    case Use::meadow:
+      block.zones.push_back({block.lot, palette.meadow[random.below(3)], axis});
+      break;
+    case Use::forest:
+      block.zones.push_back({block.lot, palette.forest_floor, {1.0, 0.0}});
+      break;
   }
 }
 
@@ -226,8 +234,11 @@ Block makeBlock(const Site& site, const Palette& palette, const Region& region, 
     block.use = Use::square;
     block.quarter = Quarter::centre;
   } else if (urbanity > 0.0) {
-    const bool near_market = glm::distance(middle, site.town_centre) < site.square_half + std::min(75.0, 0.42 * site.town_radius);
-    block.quarter = urbanity > 0.66 || near_market ? Quarter::centre : urbanity > 0.36 ? Quarter::town : Quarter::suburb;
+    const bool near_market =
+        glm::distance(middle, site.town_centre) < site.square_half + std::min(75.0, 0.42 * site.town_radius);
+    block.quarter = urbanity > 0.66 || near_market ? Quarter::centre
+                    : urbanity > 0.36              ? Quarter::town
+                                                   : Quarter::suburb;
     block.use = !near_market && random.chance(0.09f) ? Use::park : Use::homes;
   } else if (site.woodland(middle) > 0.0) {
     block.use = Use::forest;
@@ -238,7 +249,10 @@ Block makeBlock(const Site& site, const Palette& palette, const Region& region, 
   std::vector<double> to_kerb, to_lot;
   for (const Street& street : block.streets) {
     to_kerb.push_back(street.half_width);
-    const double verge = block.builtUp() ? std::max(street.pavement, 1.2) : street.rank > 0 ? 1.0 : block.use == Use::forest ? 0.0 : 0.4;
+    const double verge = block.builtUp()            ? std::max(street.pavement, 1.2)
+                         : street.rank > 0          ? 1.0
+                         : block.use == Use::forest ? 0.0
+                                                    : 0.4;
     to_lot.push_back(street.half_width + (block.use == Use::square ? 0.6 : verge));
   }
   block.kerb = inset(block.outline, to_kerb);
@@ -247,8 +261,8 @@ Block makeBlock(const Site& site, const Palette& palette, const Region& region, 
     block.raise = 0.12f;
     block.kerb = chamfer(block.kerb, 1.4);
   }
-  block.pavement = block.use == Use::square ? palette.slabs
-                   : block.builtUp()        ? palette.slabs
+  block.pavement = block.use == Use::square   ? palette.slabs
+                   : block.builtUp()          ? palette.slabs
                    : block.use == Use::forest ? palette.meadow[1]
                                               : palette.meadow[seed % 3];
   paint(block, palette);
@@ -261,7 +275,8 @@ const Street& Block::streetAlong(const glm::dvec2& a, const glm::dvec2& b) const
   size_t best = 0;
   double best_match = -2.0;
   for (size_t i = 0; i < outline.size(); ++i) {
-    const double match = glm::dot(glm::normalize(b - a), glm::normalize(outline[(i + 1) % outline.size()] - outline[i]));
+    const double match =
+        glm::dot(glm::normalize(b - a), glm::normalize(outline[(i + 1) % outline.size()] - outline[i]));
     if (match > best_match) {
       best_match = match;
       best = i;

@@ -1,5 +1,6 @@
 // Street furniture and what stands on markets and in fields.
 #include "scene/catalogue.h"
+#include "scene/house_parts.h"
 #include "scene/mesh_builder.h"
 #include "scene/random.h"
 
@@ -82,7 +83,8 @@ Mesh stall(const Palette& p, const char* name, uint32_t canvas, uint32_t goods) 
   const float x = 1.65f, z = 1.25f, low = 2.1f, ridge = 2.85f;
   for (const float s : {1.0f, -1.0f}) {
     b.quad(canvas, {-s * x, low, s * z}, {s * x, low, s * z}, {s * x, ridge, 0.0f}, {-s * x, ridge, 0.0f});
-    b.quad(canvas, {s * x, low - 0.05f, s * z}, {-s * x, low - 0.05f, s * z}, {-s * x, ridge - 0.05f, 0.0f}, {s * x, ridge - 0.05f, 0.0f});
+    b.quad(canvas, {s * x, low - 0.05f, s * z}, {-s * x, low - 0.05f, s * z}, {-s * x, ridge - 0.05f, 0.0f},
+           {s * x, ridge - 0.05f, 0.0f});
     b.box(canvas, {-x, low - 0.25f, s * z - 0.02f}, {x, low + 0.0f, s * z + 0.02f});
     b.triangle(canvas, {s * x, low, s * z}, {s * x, low, -s * z}, {s * x, ridge, 0.0f});
     b.triangle(canvas, {s * (x - 0.03f), low, -s * z}, {s * (x - 0.03f), low, s * z}, {s * (x - 0.03f), ridge, 0.0f});
@@ -93,7 +95,8 @@ Mesh stall(const Palette& p, const char* name, uint32_t canvas, uint32_t goods) 
 Mesh bench(const Palette& p) {
   MeshBuilder b("bench", p);
   for (const float x : {-0.7f, 0.7f}) b.box(p.iron, {x - 0.04f, -0.3f, -0.22f}, {x + 0.04f, 0.42f, 0.22f}, kNoBottom);
-  for (const float z : {-0.14f, 0.02f, 0.18f}) b.box(p.planks[0], {-0.95f, 0.42f, z - 0.065f}, {0.95f, 0.47f, z + 0.065f});
+  for (const float z : {-0.14f, 0.02f, 0.18f})
+    b.box(p.planks[0], {-0.95f, 0.42f, z - 0.065f}, {0.95f, 0.47f, z + 0.065f});
   for (const float y : {0.62f, 0.80f}) b.box(p.planks[0], {-0.95f, y, -0.30f}, {0.95f, y + 0.11f, -0.26f});
   return b.build();
 }
@@ -174,11 +177,9 @@ Mesh well(const Palette& p) {
   MeshBuilder b("well", p);
   b.prism(p.ashlar[1], {0.0f, -0.5f, 0.0f}, 1.0f, 1.0f, 1.3f, 10);
   b.prism(p.water, {0.0f, 0.8f, 0.0f}, 0.75f, 0.75f, 0.02f, 10);
-  for (const float x : {-0.85f, 0.85f}) b.box(p.planks[1], {x - 0.07f, 0.8f, -0.07f}, {x + 0.07f, 2.3f, 0.07f}, kNoBottom);
-  for (const float s : {1.0f, -1.0f}) {
-    b.quad(p.planks[1], {-s * 1.2f, 2.1f, s * 0.9f}, {s * 1.2f, 2.1f, s * 0.9f}, {s * 1.2f, 2.9f, 0.0f}, {-s * 1.2f, 2.9f, 0.0f});
-    b.quad(p.planks[1], {s * 1.2f, 2.04f, s * 0.9f}, {-s * 1.2f, 2.04f, s * 0.9f}, {-s * 1.2f, 2.84f, 0.0f}, {s * 1.2f, 2.84f, 0.0f});
-  }
+  for (const float x : {-0.85f, 0.85f})
+    b.box(p.planks[1], {x - 0.07f, 0.8f, -0.07f}, {x + 0.07f, 2.3f, 0.07f}, kNoBottom);
+  gableRoof(b, p.planks[1], p.planks[0], p.planks[1], {2.2f, 1.5f, 2.1f, 0.7f, 0.15f, 0.1f});
   b.box(p.planks[0], {-0.8f, 1.7f, -0.06f}, {0.8f, 1.82f, 0.06f});
   return b.build();
 }

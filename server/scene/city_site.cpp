@@ -28,7 +28,8 @@ Site::Site(const CityParameters& parameters) : seed(parameters.seed) {
 
 double Site::urbanity(const glm::dvec2& p) const {
   const glm::dvec2 offset = p - town_centre;
-  const double wobble = 0.24 * fractalNoise(hash64(seed, 1), offset.x / town_radius * 1.6, offset.y / town_radius * 1.6, 2);
+  const double wobble =
+      0.24 * fractalNoise(hash64(seed, 1), offset.x / town_radius * 1.6, offset.y / town_radius * 1.6, 2);
   return 1.0 - glm::length(offset) / (town_radius * (1.0 + wobble));
 }
 
@@ -36,7 +37,8 @@ double Site::woodland(const glm::dvec2& p) const {
   const glm::dvec2 q = p / half();
   const double edge = std::max(std::abs(q.x), std::abs(q.y));
   const double noise = fractalNoise(hash64(seed, 2), q.x * 2.6, q.y * 2.6, 3);
-  return 0.95 * glm::dot(q - town_centre / half(), glm::dvec2(0.93, -0.36)) + 0.6 * noise + 0.25 * edge * edge * edge - 0.60;
+  return 0.95 * glm::dot(q - town_centre / half(), glm::dvec2(0.93, -0.36)) + 0.6 * noise + 0.25 * edge * edge * edge -
+         0.60;
 }
 
 HeightField::HeightField(const Site& site) : site_(site), count_(static_cast<int64_t>(site.side / kLattice) + 1) {
@@ -56,7 +58,8 @@ double HeightField::shape(const glm::dvec2& p) const {
   const double wave = std::max(330.0, 0.16 * site_.side);  // hills grow with the world, their slopes do not
   const double hills = fractalNoise(hash64(site_.seed, 4), p.x / wave, p.y / wave, 3);
   const double beyond = std::max(0.0, std::max(std::abs(p.x), std::abs(p.y)) - site_.half()) / site_.apron;
-  const double rim = ease(0.0, 1.0, beyond) * site_.apron * (0.15 + 0.07 * valueNoise(hash64(site_.seed, 5), p.x / wave * 1.3, p.y / wave * 1.3));
+  const double rim = ease(0.0, 1.0, beyond) * site_.apron *
+                     (0.15 + 0.07 * valueNoise(hash64(site_.seed, 5), p.x / wave * 1.3, p.y / wave * 1.3));
   return (1.6 + 1.2 * country) * rolling + 0.040 * wave * country * hills + rim;
 }
 

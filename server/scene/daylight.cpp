@@ -11,8 +11,8 @@ namespace {
 
 /// The sky at one height of the sun. `horizon` is what is seen at eye level.
 struct SkyKey {
-  float sine;           ///< of the sun's elevation
-  glm::vec3 zenith;     ///< W/(sr m^2)
+  float sine;        ///< of the sun's elevation
+  glm::vec3 zenith;  ///< W/(sr m^2)
   glm::vec3 horizon;
 };
 
@@ -40,7 +40,8 @@ Environment daylight(float elevation, float azimuth) {
   const float air = 1.0f / (std::max(sine, 0.0f) + 0.05f);
   const glm::vec3 thickness = 1.0f + air * glm::vec3(0.31f, 0.716f, 4.6f);
   const float risen = glm::smoothstep(-0.005f, 0.06f, sine);
-  environment.sun.irradiance = sine > -0.005f ? risen * glm::vec3(35.8f, 60.2f, 614.0f) / (thickness * thickness) : glm::vec3(0.0f);
+  environment.sun.irradiance =
+      sine > -0.005f ? risen * glm::vec3(35.8f, 60.2f, 614.0f) / (thickness * thickness) : glm::vec3(0.0f);
   environment.sun.angular_diameter = 0.0093f;
 
   size_t next = 1;

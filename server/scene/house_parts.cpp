@@ -10,7 +10,7 @@ using glm::vec3;
 namespace {
 
 constexpr float kRoofThickness = 0.2f;  // metres, upright
-constexpr float kRoofLift = 0.12f;      // the covering lies this far above the wall plate, which is thus inside the roof
+constexpr float kRoofLift = 0.12f;  // the covering lies this far above the wall plate, which is thus inside the roof
 
 /// Fascia boards and soffit around an overhanging eave at height y.
 void eaveBox(MeshBuilder& b, uint32_t trim, float half_width, float half_depth, float y) {
@@ -123,8 +123,8 @@ void dormer(MeshBuilder& b, uint32_t wall, uint32_t roof, uint32_t trim, uint32_
   const float back = foot.z - depth, top = foot.y + height;
   b.box(wall, {foot.x - half, foot.y, back}, {foot.x + half, top, foot.z}, kNoBottom | kNoTop | kNoBack);
   const float z = foot.z + 0.03f;
-  b.picture(glass, {foot.x - 0.5f, foot.y + 0.2f, z}, {foot.x + 0.5f, foot.y + 0.2f, z}, {foot.x + 0.5f, top - 0.05f, z},
-            {foot.x - 0.5f, top - 0.05f, z});
+  b.picture(glass, {foot.x - 0.5f, foot.y + 0.2f, z}, {foot.x + 0.5f, foot.y + 0.2f, z},
+            {foot.x + 0.5f, top - 0.05f, z}, {foot.x - 0.5f, top - 0.05f, z});
   const float l = foot.x - half - over, r = foot.x + half + over, f = foot.z + front, ridge = top + rise;
   b.triangle(trim, {l, top, f}, {r, top, f}, {foot.x, ridge, f});
   b.quad(roof, {r, top, f}, {r, top, back}, {foot.x, ridge, back}, {foot.x, ridge, f});
@@ -141,14 +141,16 @@ void chimney(MeshBuilder& b, uint32_t brick, uint32_t trim, vec3 foot, float hei
 void awning(MeshBuilder& b, uint32_t canvas, float x0, float x1, float y) {
   const float reach = 1.25f, drop = 0.55f, hem = 0.22f;
   b.quad(canvas, {x0, y - drop, reach}, {x1, y - drop, reach}, {x1, y, 0.0f}, {x0, y, 0.0f});
-  b.quad(canvas, {x0, y - drop - hem, reach}, {x1, y - drop - hem, reach}, {x1, y - drop, reach}, {x0, y - drop, reach});
+  b.quad(canvas, {x0, y - drop - hem, reach}, {x1, y - drop - hem, reach}, {x1, y - drop, reach},
+         {x0, y - drop, reach});
   b.quad(canvas, {x0, y - hem, 0.0f}, {x1, y - hem, 0.0f}, {x1, y - drop - hem, reach}, {x0, y - drop - hem, reach});
   b.quad(canvas, {x1, y - drop - hem, reach}, {x1, y - hem, 0.0f}, {x1, y, 0.0f}, {x1, y - drop, reach});
   b.quad(canvas, {x0, y - hem, 0.0f}, {x0, y - drop - hem, reach}, {x0, y - drop, reach}, {x0, y, 0.0f});
 }
 
 void stringCourse(MeshBuilder& b, uint32_t trim, float width, float depth, float y, float height, float reach) {
-  b.box(trim, {-0.5f * width - reach, y, -0.5f * depth - reach}, {0.5f * width + reach, y + height, 0.5f * depth + reach});
+  b.box(trim, {-0.5f * width - reach, y, -0.5f * depth - reach},
+        {0.5f * width + reach, y + height, 0.5f * depth + reach});
 }
 
 void plinth(MeshBuilder& b, uint32_t stone, float width, float depth) {

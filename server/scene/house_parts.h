@@ -28,9 +28,9 @@ void framedWindow(MeshBuilder& b, uint32_t frame, uint32_t glass, glm::vec2 low,
 /// A rectangle of ground plan, eaves at y, for the roofs below. Width along x, depth along z, centred.
 struct RoofPlan {
   float width, depth, y;
-  float rise;             ///< metres from the eaves to the ridge
-  float eaves = 0.45f;    ///< overhang over the long sides
-  float verge = 0.25f;    ///< overhang over the gables
+  float rise;           ///< metres from the eaves to the ridge
+  float eaves = 0.45f;  ///< overhang over the long sides
+  float verge = 0.25f;  ///< overhang over the gables
 };
 
 /// Ridge along x; `wall` fills the gables.

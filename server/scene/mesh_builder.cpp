@@ -77,7 +77,8 @@ Icosphere icosphere(int levels) {
 
 void addSubmeshes(Mesh& mesh, const std::map<uint32_t, std::vector<uint32_t>>& by_material) {
   for (const auto& [material, indices] : by_material) {
-    mesh.submeshes.push_back({static_cast<uint32_t>(mesh.indices.size()), static_cast<uint32_t>(indices.size()), material});
+    mesh.submeshes.push_back(
+        {static_cast<uint32_t>(mesh.indices.size()), static_cast<uint32_t>(indices.size()), material});
     mesh.indices.insert(mesh.indices.end(), indices.begin(), indices.end());
   }
 }
@@ -89,10 +90,14 @@ void MeshBuilder::setFrame(glm::vec3 origin, int quarter_turns) {
 
 vec3 MeshBuilder::turned(vec3 v) const {
   switch (quarter_turns_) {
-    case 0: return v;
-    case 1: return {v.z, v.y, -v.x};
-    case 2: return {-v.x, v.y, -v.z};
-    default: return {-v.z, v.y, v.x};
+    case 0:
+      return v;
+    case 1:
+      return {v.z, v.y, -v.x};
+    case 2:
+      return {-v.x, v.y, -v.z};
+    default:
+      return {-v.z, v.y, v.x};
   }
 }
 

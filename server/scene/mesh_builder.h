@@ -41,7 +41,8 @@ class MeshBuilder {
   /// The same with flat sides, turned so that a side faces the front.
   void prism(uint32_t material, glm::vec3 base, float bottom_radius, float top_radius, float height, int sides,
              bool bottom = false);
-  /// A lumpy ball: an icosahedron subdivided `levels` times (20 * 4^levels triangles), radii varied by `lumps` (0: none).
+  /// A lumpy ball: an icosahedron subdivided `levels` times (20 * 4^levels triangles), radii varied by `lumps` (0:
+  /// none).
   void blob(uint32_t material, glm::vec3 centre, glm::vec3 radii, int levels, float lumps, uint64_t seed);
 
   Mesh build();

@@ -95,7 +95,8 @@ void addWallsAndRoofs(Palette& p, PaletteBuilder& make) {
   const SurfacePattern window = patterns::window();
   p.window = make.material("window", make.flat(window), vec3(1.0f), 1.0f);
   make[p.window].metallic_roughness_texture = make.texture(paintRoughness(window));
-  p.lit_window = make.material("window_lit", {make[p.window].base_color_texture, kNone, window.metres}, vec3(1.0f), 0.4f);
+  p.lit_window =
+      make.material("window_lit", {make[p.window].base_color_texture, kNone, window.metres}, vec3(1.0f), 0.4f);
   make[p.lit_window].emission = {1.7f, 1.2f, 0.62f};
   make[p.lit_window].emissive_texture = make.texture(paintBaseColor(patterns::litWindow()));
   p.copper = make.plain("copper_green", {0.20f, 0.42f, 0.34f}, 0.7f);
@@ -148,7 +149,8 @@ void addNatureAndProps(Palette& p, PaletteBuilder& make) {
                make.material("needles_fir", needles, {0.75f, 0.92f, 0.95f}, 0.9f),
                make.material("needles_pine", needles, {1.0f, 1.0f, 0.72f}, 0.9f)};
   const Painted bark = make.relief(patterns::bark());
-  p.bark = {make.material("bark", bark, {0.85f, 0.80f, 0.75f}, 0.95f), make.plain("bark_birch", {0.62f, 0.60f, 0.56f}, 0.9f)};
+  p.bark = {make.material("bark", bark, {0.85f, 0.80f, 0.75f}, 0.95f),
+            make.plain("bark_birch", {0.62f, 0.60f, 0.56f}, 0.9f)};
   const Painted stripes = make.flat(patterns::stripes());
   p.stripes = {make.material("stripes_red", stripes, {0.80f, 0.20f, 0.14f}, 0.9f),
                make.material("stripes_green", stripes, {0.22f, 0.50f, 0.26f}, 0.9f),

@@ -25,18 +25,18 @@ struct Palette {
   std::array<uint32_t, 4> planks{};  // natural, dark, red, weathered
   std::array<uint32_t, 4> door{};
   std::array<uint32_t, 4> stripes{};
-  std::array<uint32_t, 3> trim{};    // white, sandstone, dark
+  std::array<uint32_t, 3> trim{};  // white, sandstone, dark
   uint32_t window = 0, lit_window = 0, copper = 0, iron = 0, gold = 0, mirror = 0, flat_roof = 0;
   // Ground
   std::array<uint32_t, 3> lawn{};
-  std::array<uint32_t, 3> crops{};   // soil, green rows, wheat
+  std::array<uint32_t, 3> crops{};  // soil, green rows, wheat
   std::array<uint32_t, 3> meadow{};
   uint32_t asphalt = 0, cobbles = 0, slabs = 0, market = 0, gravel = 0, dirt = 0, courtyard = 0, forest_floor = 0;
   uint32_t kerb = 0, hill = 0, hill_woods = 0;
   // Nature
-  std::array<uint32_t, 7> foliage{}; // oak, linden, birch, maple, apple, hedge, blossom
+  std::array<uint32_t, 7> foliage{};  // oak, linden, birch, maple, apple, hedge, blossom
   std::array<uint32_t, 3> needles{};
-  std::array<uint32_t, 2> bark{};    // brown, birch
+  std::array<uint32_t, 2> bark{};  // brown, birch
   // Props
   uint32_t water = 0, lamp_light = 0, straw = 0, fruit_red = 0, fruit_orange = 0, cloth = 0, flowers = 0;
 };

@@ -40,7 +40,10 @@ Polygon chamfer(const Polygon& polygon, double distance);
 struct Box2 {
   glm::dvec2 min{1e300}, max{-1e300};
 
-  void grow(const glm::dvec2& p) { min = glm::min(min, p); max = glm::max(max, p); }
+  void grow(const glm::dvec2& p) {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
   bool overlaps(const Box2& other) const {
     return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y;
   }

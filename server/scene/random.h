@@ -36,8 +36,8 @@ class Random {
     const uint32_t rotation = static_cast<uint32_t>(old >> 59);
     return (xorshifted >> rotation) | (xorshifted << ((32 - rotation) & 31));
   }
-  float uniform() { return static_cast<float>(next() >> 8) * 0x1p-24f; }             ///< [0, 1)
-  float uniform(float low, float high) { return low + (high - low) * uniform(); }    ///< [low, high)
+  float uniform() { return static_cast<float>(next() >> 8) * 0x1p-24f; }                              ///< [0, 1)
+  float uniform(float low, float high) { return low + (high - low) * uniform(); }                     ///< [low, high)
   uint32_t below(uint32_t count) { return static_cast<uint32_t>((uint64_t{next()} * count) >> 32); }  ///< [0, count)
   bool chance(float probability) { return uniform() < probability; }
 
@@ -53,10 +53,14 @@ inline glm::dvec2 unitVector(double turns) {
   const double sine = x * (1.0 - x2 / 6.0 * (1.0 - x2 / 20.0 * (1.0 - x2 / 42.0 * (1.0 - x2 / 72.0))));
   const double cosine = 1.0 - x2 / 2.0 * (1.0 - x2 / 12.0 * (1.0 - x2 / 30.0 * (1.0 - x2 / 56.0)));
   switch (static_cast<int64_t>(quarters) & 3) {
-    case 0: return {cosine, sine};
-    case 1: return {-sine, cosine};
-    case 2: return {-cosine, -sine};
-    default: return {sine, -cosine};
+    case 0:
+      return {cosine, sine};
+    case 1:
+      return {-sine, cosine};
+    case 2:
+      return {-cosine, -sine};
+    default:
+      return {sine, -cosine};
   }
 }
 

@@ -21,9 +21,9 @@ float noise(uint64_t seed, float u, float v, int64_t cells, int octaves = 3) {
 
 /// Where a point lies in rows of bricks (every other row shifted by half a brick).
 struct Masonry {
-  vec2 local;      ///< [0, 1) across and down the unit
-  float edge;      ///< metres to the nearest joint
-  float tint;      ///< [0, 1), one for each unit
+  vec2 local;  ///< [0, 1) across and down the unit
+  float edge;  ///< metres to the nearest joint
+  float tint;  ///< [0, 1), one for each unit
 };
 
 Masonry masonry(uint64_t seed, float u, float v, int columns, int rows, vec2 metres, float jitter = 0.0f) {
@@ -40,9 +40,9 @@ Masonry masonry(uint64_t seed, float u, float v, int columns, int rows, vec2 met
 
 /// The nearest and second nearest of jittered points, one in each of cells x cells squares.
 struct Cellular {
-  float nearest;   ///< in cells
-  float border;    ///< second minus nearest: 0 on the border between two
-  float tint;      ///< [0, 1), one for each point
+  float nearest;  ///< in cells
+  float border;   ///< second minus nearest: 0 on the border between two
+  float tint;     ///< [0, 1), one for each point
 };
 
 Cellular cellular(uint64_t seed, float u, float v, int cells, float jitter = 0.8f) {
@@ -109,7 +109,8 @@ SurfacePattern ashlar() {
             const Masonry m = masonry(41, u, v, 4, 8, vec2(2.4f), 0.4f);
             const float joint = 1.0f - smoothstep(0.006f, 0.018f, m.edge);
             const float rough = noise(42, u, v, 24, 4);
-            const vec3 body = mix(vec3(0.62f, 0.58f, 0.51f), vec3(0.74f, 0.70f, 0.62f), m.tint) * (1.0f + 0.07f * rough);
+            const vec3 body =
+                mix(vec3(0.62f, 0.58f, 0.51f), vec3(0.74f, 0.70f, 0.62f), m.tint) * (1.0f + 0.07f * rough);
             return Texel{mix(body, vec3(0.46f, 0.44f, 0.40f), joint), 0.008f * rough - 0.02f * joint};
           }};
 }
@@ -143,7 +144,8 @@ SurfacePattern planks() {
             const float across = u * 10.0f, local = fract(across);
             const uint64_t board = hash64(71, static_cast<int64_t>(std::floor(across)), 0);
             const float joint = 1.0f - smoothstep(0.02f, 0.07f, 0.5f - std::abs(local - 0.5f));
-            const float grain = fractalNoise(72, u * 80.0f, v * 6.0f + 6.0f * std::floor(6.0f * unitFloat(board)), 2, 0);
+            const float grain =
+                fractalNoise(72, u * 80.0f, v * 6.0f + 6.0f * std::floor(6.0f * unitFloat(board)), 2, 0);
             const vec3 wood = mix(vec3(0.50f, 0.37f, 0.25f), vec3(0.62f, 0.48f, 0.34f), unitFloat(board));
             return Texel{wood * (1.0f + 0.10f * grain) * mix(1.0f, 0.45f, joint), -0.012f * joint + 0.002f * grain};
           }};
@@ -165,7 +167,8 @@ SurfacePattern slabs() {
             const Masonry m = masonry(91, u, v, 4, 4, vec2(3.2f));
             const float joint = 1.0f - smoothstep(0.008f, 0.02f, m.edge);
             const float rough = noise(92, u, v, 16, 4);
-            const vec3 stone = mix(vec3(0.64f, 0.61f, 0.55f), vec3(0.73f, 0.69f, 0.62f), m.tint) * (1.0f + 0.05f * rough);
+            const vec3 stone =
+                mix(vec3(0.64f, 0.61f, 0.55f), vec3(0.73f, 0.69f, 0.62f), m.tint) * (1.0f + 0.05f * rough);
             return Texel{mix(stone, vec3(0.42f, 0.40f, 0.36f), joint), 0.003f * rough - 0.01f * joint};
           }};
 }
@@ -186,8 +189,10 @@ SurfacePattern gravel() {
 
 SurfacePattern grass() {
   return {"grass", 512, vec2(8.0f), [](float u, float v) {
-            const float blades = noise(121, u, v, 128, 2), tufts = noise(122, u, v, 24, 3), patch = noise(123, u, v, 4, 3);
-            const vec3 green = mix(vec3(0.34f, 0.42f, 0.22f), vec3(0.50f, 0.53f, 0.31f), 0.5f + 0.45f * patch + 0.2f * tufts);
+            const float blades = noise(121, u, v, 128, 2), tufts = noise(122, u, v, 24, 3),
+                        patch = noise(123, u, v, 4, 3);
+            const vec3 green =
+                mix(vec3(0.34f, 0.42f, 0.22f), vec3(0.50f, 0.53f, 0.31f), 0.5f + 0.45f * patch + 0.2f * tufts);
             return Texel{green * (1.0f + 0.20f * blades + 0.12f * tufts), 0.03f * blades + 0.03f * tufts};
           }};
 }
@@ -195,7 +200,8 @@ SurfacePattern grass() {
 SurfacePattern forestFloor() {
   return {"forest_floor", 256, vec2(8.0f), [](float u, float v) {
             const float litter = noise(131, u, v, 64, 3), moss = noise(132, u, v, 6, 4);
-            const vec3 ground = mix(vec3(0.28f, 0.23f, 0.16f), vec3(0.27f, 0.31f, 0.17f), smoothstep(-0.5f, 0.3f, moss));
+            const vec3 ground =
+                mix(vec3(0.28f, 0.23f, 0.16f), vec3(0.27f, 0.31f, 0.17f), smoothstep(-0.5f, 0.3f, moss));
             return Texel{ground * (1.0f + 0.25f * litter), 0.03f * litter};
           }};
 }
@@ -214,7 +220,8 @@ SurfacePattern cropRows() {
             const float row = 1.0f - std::abs(fract(v * 5.0f) - 0.5f) * 2.0f;
             const float leaves = noise(151, u, v, 40, 3);
             const float plant = smoothstep(0.25f, 0.55f, row + 0.3f * leaves);
-            const vec3 color = mix(vec3(0.42f, 0.31f, 0.21f), vec3(0.36f, 0.52f, 0.20f) * (1.0f + 0.2f * leaves), plant);
+            const vec3 color =
+                mix(vec3(0.42f, 0.31f, 0.21f), vec3(0.36f, 0.52f, 0.20f) * (1.0f + 0.2f * leaves), plant);
             return Texel{color, 0.12f * plant + 0.04f * leaves};
           }};
 }
@@ -266,7 +273,7 @@ SurfacePattern door() {
             const float frame = std::min(std::min(p.x, 1.2f - p.x), p.y) - 0.08f;
             const float panel_x = 0.17f - std::abs(leaf - 0.28f);
             const float panel_y = std::min(0.30f - std::abs(p.y - 1.75f), 1.0f) > 0.0f ? 0.30f - std::abs(p.y - 1.75f)
-                                                                                     : 0.45f - std::abs(p.y - 0.85f);
+                                                                                       : 0.45f - std::abs(p.y - 0.85f);
             const float panel = smoothstep(0.0f, 0.03f, std::min(panel_x, panel_y));
             const float grain = fractalNoise(171, u * 60.0f, v * 4.0f, 2, 0);
             vec3 color = vec3(0.62f, 0.60f, 0.58f) * (1.0f + 0.08f * grain) * mix(1.0f, 0.82f, panel);
@@ -299,7 +306,8 @@ SurfacePattern needles() {
             const Cellular twig = cellular(201, u, v, 20, 1.0f);
             const float strands = noise(203, u, v, 48, 2), clump = noise(202, u, v, 7, 3);
             const vec3 green = mix(vec3(0.17f, 0.26f, 0.18f), vec3(0.29f, 0.39f, 0.24f), twig.tint);
-            return Texel{green * (1.0f + 0.22f * strands + 0.35f * clump), 0.03f * strands + 0.05f * twig.tint + 0.16f * clump};
+            return Texel{green * (1.0f + 0.22f * strands + 0.35f * clump),
+                         0.03f * strands + 0.05f * twig.tint + 0.16f * clump};
           }};
 }
 
@@ -309,7 +317,8 @@ SurfacePattern canopy() {
             const Cellular crown = cellular(221, u, v, 12, 1.0f);
             const float leaves = noise(222, u, v, 48, 3), stands = noise(223, u, v, 3, 2);
             const float dome = std::max(0.0f, 1.0f - crown.nearest * crown.nearest);
-            const vec3 green = mix(vec3(0.20f, 0.28f, 0.17f), vec3(0.36f, 0.42f, 0.22f), 0.6f * crown.tint + 0.4f * (0.5f + 0.5f * stands));
+            const vec3 green = mix(vec3(0.20f, 0.28f, 0.17f), vec3(0.36f, 0.42f, 0.22f),
+                                   0.6f * crown.tint + 0.4f * (0.5f + 0.5f * stands));
             return Texel{green * mix(0.82f, 1.0f, smoothstep(0.0f, 0.45f, crown.border)) * (1.0f + 0.30f * leaves),
                          1.8f * dome + 0.5f * leaves};
           }};

@@ -10,9 +10,9 @@
 namespace helio::scene {
 
 struct Texel {
-  glm::vec3 color{0.0f};    ///< sRGB-encoded, [0, 1]
-  float height = 0.0f;      ///< metres above the surface
-  float roughness = 1.0f;   ///< only for metallic-roughness textures
+  glm::vec3 color{0.0f};   ///< sRGB-encoded, [0, 1]
+  float height = 0.0f;     ///< metres above the surface
+  float roughness = 1.0f;  ///< only for metallic-roughness textures
 };
 
 /// u runs right and v down, both in [0, 1); patterns repeat beyond.
@@ -21,7 +21,7 @@ using Pattern = std::function<Texel(float u, float v)>;
 /// A surface's pattern with the size of one repetition in metres (across, down).
 struct SurfacePattern {
   std::string name;
-  uint32_t size = 256;       ///< texels along each side
+  uint32_t size = 256;  ///< texels along each side
   glm::vec2 metres{1.0f};
   Pattern texel;
 };
