@@ -76,7 +76,7 @@ Error ViewerSession::finish() {
   finished_ = true;
   const auto status = stream_->Finish();
   Error error = errorOf(status, context_);
-  if (!notice_.empty()) error.message += " (" + notice_ + ")";
+  if (error.message.find(notice_) == std::string::npos) error.message += " (" + notice_ + ")";
   if (status.ok()) error.message = "the server ended the stream";
   return error;
 }

@@ -116,10 +116,14 @@ void HostedWorld::wake() {
 }
 
 void HostedWorld::stop(const Failure& why) {
-  std::lock_guard lock(mutex_);
-  if (!stop_reason_) stop_reason_ = why;
-  woken_ = true;
-  wake_.notify_all();
+  {
+    std::lock_guard lock(mutex_);
+    if (stop_reason_) return;
+    stop_reason_ = why;
+    woken_ = true;
+    wake_.notify_all();
+  }
+  endAll(why);  // at once: a tick in progress may take seconds
 }
 
 bool HostedWorld::stopped() const {
@@ -272,7 +276,7 @@ void HostedWorld::tickUntilStopped() {
     std::lock_guard lock(mutex_);
     why = *stop_reason_;
   }
-  endAll(why);
+  endAll(why);  // whatever stop() has not come to yet
   admitAndRelease();
   environment_.renderer->removeWorld(handle_);
 }

@@ -78,7 +78,7 @@ class HostedWorld {
   /// A sink's wish has changed.
   void wake();
 
-  /// Ends every sink with `why`. The thread ends after the tick or the loading in progress.
+  /// Ends every sink with `why`, now. The thread ends after the tick or the loading in progress.
   void stop(const Failure& why);
   /// The thread has ended: join() takes no time.
   bool stopped() const;

@@ -28,7 +28,8 @@ struct ViewerStatus {
   std::optional<Clock::time_point> last_acknowledged;
 };
 
-/// Called by the world's tick thread, never under a lock of the world's. None of these may wait for a client.
+/// Called by the world's tick thread (end() and status() by any), never under a lock of the world's. None of these may
+/// wait for a client.
 class ViewSink {
  public:
   virtual ~ViewSink() = default;
@@ -40,7 +41,7 @@ class ViewSink {
   virtual void deliver(render::Frame frame, Clock::duration tick) = 0;
   /// No more frames will come.
   virtual void end(const Failure& failure) = 0;
-  /// Any thread. Shots have none.
+  /// Shots have none.
   virtual std::optional<ViewerStatus> status() const { return std::nullopt; }
 };
 
