@@ -24,6 +24,7 @@ void insert(shared::LightCell& cell, uint32_t slot, float weight) {
 void finish(shared::LightCell& cell) {
   double sum = 0.0, below = 0.0;
   for (uint32_t i = 0; i < cell.count; ++i) sum += cell.cdf[i];
+  cell.irradiance = static_cast<float>(sum);
   for (uint32_t i = 0; i < cell.count; ++i) {
     below += cell.cdf[i];
     cell.cdf[i] = i + 1 == cell.count ? 1.0f : static_cast<float>(below / sum);

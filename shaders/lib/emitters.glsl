@@ -8,6 +8,7 @@
 struct EmitterSample {
   vec3 position;
   vec3 normal;      // unit; both faces shine
+  float reach;      // as Surface.reach
   vec3 emission;
   float pdf_area;   // per square metre; 0: no sample
 };
@@ -30,6 +31,7 @@ EmitterSample sampleEmitter(vec3 p, vec2 select, vec3 u) {
   const float root = sqrt(u.y);
   const vec3 w = vec3(1.0 - root, root * (1.0 - u.z), root * u.z);
   s.position = t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
+  s.reach = reachOf(t);
   const vec3 n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
   const float double_area = length(n);
   if (!(double_area > 0.0)) return s;

@@ -25,8 +25,10 @@ vec3 octahedral(uint packed) {
 }
 
 // Moves a ray's origin off the surface by some units in the last place of its coordinates, so that the offset scales with
-// their magnitude [Waechter and Binder 2019, Ray Tracing Gems, ch. 6].
-vec3 offsetOrigin(vec3 p, vec3 n) {
+// their magnitude [Waechter and Binder 2019, Ray Tracing Gems, ch. 6]. That bounds the error of `p` itself; the intersector's
+// grows with the triangle's coordinates, `reach` at most, however small p's are (a point at the middle of a 1 km plane).
+vec3 offsetOrigin(vec3 p, vec3 n, float reach) {
+  p += n * (reach * 5e-7);
   const float kOrigin = 1.0 / 32.0;
   const float kFloatScale = 1.0 / 65536.0;
   const float kIntScale = 256.0;

@@ -19,6 +19,7 @@ struct Triangle {
 struct Surface {
   vec3 position;
   vec3 geometric_normal;  // unit, on the side of the viewer
+  float reach;            // largest coordinate of its triangle, for offsetOrigin
   mat3 frame_;            // columns: tangent, bitangent, shading normal; on the side of the viewer
   vec3 emission;
   Bsdf bsdf;
@@ -40,6 +41,8 @@ vec3 normalToWorld(InstanceRecord instance, vec3 n) {
   const vec3 v = vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n));
   return dot(a, cross(b, c)) < 0.0 ? -v : v;
 }
+
+float reachOf(Triangle t) { return maxComponent(max(abs(t.p[0]), max(abs(t.p[1]), abs(t.p[2])))); }
 
 Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primitive) {
   Triangle t;
@@ -83,6 +86,7 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
 
   Surface s;
   s.position = t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
+  s.reach = reachOf(t);
   const vec3 scaled_normal = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);
   const float double_area = length(scaled_normal);
   s.geometric_normal = double_area > 0.0 ? scaled_normal / double_area : -direction;

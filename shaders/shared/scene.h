@@ -72,6 +72,7 @@ struct EmitterInstance {
 HELIO_CONSTANT kLightsPerCell = 12u;
 struct LightCell {
   uint count;
+  float irradiance;  // sum of power over squared distance
   uint slots[kLightsPerCell];
   float cdf[kLightsPerCell];
 };

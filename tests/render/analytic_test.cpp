@@ -120,7 +120,8 @@ TEST(Analytic, MirrorShowsTheSky) {
   const scene::Camera camera = lookAt({0, 5, 0}, {0, 0, -5}, 0.01f);
   const float y = std::sqrt(0.5f);
   for (const Integrator& integrator : kIntegrators)
-    EXPECT_NEAR(mean(stage.accumulate(camera, settingsOf(integrator), 2)).x, 2.0f * (0.5f + 0.5f * y), 0.01f) << integrator.name;
+    EXPECT_NEAR(mean(stage.accumulate(camera, settingsOf(integrator), 2)).x, 2.0f * (0.5f + 0.5f * y), 0.01f)
+        << integrator.name;
 }
 
 // A small lamp above a plane: E = I cos / d^2 at the foot, by next event estimation and by BSDF samples together.

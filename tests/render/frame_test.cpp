@@ -1,4 +1,5 @@
-// The frame's promises: primaries agree, the same ticks give the same bytes, absent effects cost nothing, bad input is refused.
+// The frame's promises: primaries agree, the same ticks give the same bytes, absent effects cost nothing, bad input is
+// refused.
 #include <cmath>
 #include <limits>
 
@@ -50,9 +51,12 @@ TEST(Frame, TheSameTickLogGivesTheSameBytes) {
     render::ViewSettings settings = live(Primary::raster);
     settings.accumulate = settings.auto_exposure = true;
     for (int i = 0; i < 6; ++i) {
-      if (i == 2) stage.edit({world::Build{"box", {{{2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}, {{-2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}}}});
+      if (i == 2)
+        stage.edit({world::Build{
+            "box", {{{2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}, {{-2.5f, 0.5f, 1.0f}, {1, 0, 0, 0}, 0.5f}}}});
       if (i == 4) stage.edit({world::Destroy{{2}}});
-      run.push_back(bytes(stage.tick(lookAt({0.5f + 0.1f * static_cast<float>(i / 2), 1.6f, 4.0f}, {0, 0.5f, 0}), settings)));
+      run.push_back(
+          bytes(stage.tick(lookAt({0.5f + 0.1f * static_cast<float>(i / 2), 1.6f, 4.0f}, {0, 0.5f, 0}), settings)));
     }
   }
   for (size_t i = 0; i < runs[0].size(); ++i) EXPECT_EQ(runs[0][i], runs[1][i]) << "tick " << i;
@@ -77,11 +81,13 @@ TEST(Frame, AbsentEffectsRecordNothing) {
   Stage stage(b.build());
   const scene::Camera camera = lookAt({0, 3, 3}, {0, 0, 0});
 
-  // No sun, nothing shines, fixed exposure, no accumulation: none of their passes, no shadow ray, no effect in the telemetry.
+  // No sun, nothing shines, fixed exposure, no accumulation: none of their passes, no shadow ray, no effect in the
+  // telemetry.
   render::Frame frame = stage.tick(camera, live(Primary::raster));
   EXPECT_TRUE(recorded(frame, "assemble"));
   EXPECT_TRUE(recorded(frame, "path_trace"));
-  for (const char* absent : {"emitters", "histogram", "exposure", "accumulate", "primary_traced", "log_rays", "bare_trace"})
+  for (const char* absent :
+       {"emitters", "histogram", "exposure", "accumulate", "primary_traced", "log_rays", "bare_trace"})
     EXPECT_FALSE(recorded(frame, absent)) << absent;
   EXPECT_TRUE(frame.stats.effects.empty());
   EXPECT_EQ(frame.stats.rays.shadow, 0u);
@@ -142,7 +148,8 @@ TEST(Frame, SeveralViewsOfOneWorldDoNotDisturbEachOther) {
   const auto first = *renderer().addView(handle), second = *renderer().addView(handle);
   render::ViewSettings large = live(Primary::traced);
   large.width = 200;
-  const render::ViewRequest requests[] = {{first, kCamera, live(Primary::raster)}, {second, lookAt({-3, 2, 2}, {0, 0, 0}), large}};
+  const render::ViewRequest requests[] = {{first, kCamera, live(Primary::raster)},
+                                          {second, lookAt({-3, 2, 2}, {0, 0, 0}), large}};
   auto frames = renderer().tick(handle, world.beginTick(0.1), requests);
   ASSERT_TRUE(frames.ok()) << frames.error().message;
   EXPECT_EQ(bytes(frames->at(0)), bytes(expected));
@@ -168,7 +175,8 @@ TEST(Frame, BadInputIsRefusedByName) {
   camera = kCamera;
   camera.vfov = 0.0f;
   EXPECT_EQ(render::check(camera).error().field, "camera.vfov");
-  for (const auto& [width, height, field] : {std::tuple{0u, 0u, "settings.width"}, {20000u, 20000u, "settings.width"}, {64u, 8u, "settings.height"}}) {
+  for (const auto& [width, height, field] :
+       {std::tuple{0u, 0u, "settings.width"}, {20000u, 20000u, "settings.width"}, {64u, 8u, "settings.height"}}) {
     render::ViewSettings settings;
     settings.width = width;
     settings.height = height;

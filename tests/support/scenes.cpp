@@ -28,7 +28,9 @@ uint32_t SceneBuilder::prefab(const std::string& name, scene::Mesh mesh, uint32_
   return static_cast<uint32_t>(scene_.prefabs.size() - 1);
 }
 
-void SceneBuilder::place(uint32_t prefab, const glm::mat4x3& transform) { scene_.placements.push_back({prefab, transform}); }
+void SceneBuilder::place(uint32_t prefab, const glm::mat4x3& transform) {
+  scene_.placements.push_back({prefab, transform});
+}
 
 scene::ScenePtr SceneBuilder::build() { return std::make_shared<scene::Scene>(scene_); }
 
@@ -67,7 +69,8 @@ scene::Mesh sphere(uint32_t rings) {
       const glm::vec3 p(std::sin(theta) * std::sin(phi), std::cos(theta), std::sin(theta) * std::cos(phi));
       mesh.positions.push_back(p);
       mesh.normals.push_back(glm::normalize(p));
-      mesh.uvs.emplace_back(static_cast<float>(j) / static_cast<float>(sectors), static_cast<float>(i) / static_cast<float>(rings));
+      mesh.uvs.emplace_back(static_cast<float>(j) / static_cast<float>(sectors),
+                            static_cast<float>(i) / static_cast<float>(rings));
     }
   for (uint32_t i = 0; i < rings; ++i)
     for (uint32_t j = 0; j < sectors; ++j) {
@@ -83,7 +86,8 @@ scene::Mesh cube() {
   for (int axis = 0; axis < 3; ++axis)
     for (float side : {-0.5f, 0.5f}) {
       const auto first = static_cast<uint32_t>(mesh.positions.size());
-      for (const glm::vec2 corner : {glm::vec2(-0.5f, -0.5f), glm::vec2(0.5f, -0.5f), glm::vec2(0.5f, 0.5f), glm::vec2(-0.5f, 0.5f)}) {
+      for (const glm::vec2 corner :
+           {glm::vec2(-0.5f, -0.5f), glm::vec2(0.5f, -0.5f), glm::vec2(0.5f, 0.5f), glm::vec2(-0.5f, 0.5f)}) {
         glm::vec3 p;
         p[axis] = side;
         p[(axis + 1) % 3] = side > 0 ? corner.x : -corner.x;
@@ -126,7 +130,8 @@ scene::ScenePtr stillLife() {
   b.place(box, at({-1.2f, 0.51f, 0.0f}));
   b.place(box, at({1.6f, 0.36f, -1.0f}, 0.7f));
   b.place(b.prefab("mirror", sphere(16), b.material(metal({0.9f, 0.9f, 0.9f}, 0.0f))), at({0.4f, 0.61f, 0.2f}, 0.6f));
-  b.place(b.prefab("lamp", sphere(3), b.material(lambert(glm::vec3(0.0f), {40.0f, 30.0f, 15.0f}))), at({-0.3f, 1.6f, -1.0f}, 0.15f));
+  b.place(b.prefab("lamp", sphere(3), b.material(lambert(glm::vec3(0.0f), {40.0f, 30.0f, 15.0f}))),
+          at({-0.3f, 1.6f, -1.0f}, 0.15f));
   b.environment().sun = {glm::normalize(glm::vec3(0.5f, -1.0f, -0.4f)), {9.0f, 8.5f, 7.5f}, 0.0093f};
   b.environment().sky = {{0.4f, 0.6f, 1.0f}, {0.5f, 0.45f, 0.4f}};
   return b.build();

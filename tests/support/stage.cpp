@@ -9,7 +9,8 @@ render::Renderer& renderer() {
   static const std::unique_ptr<render::Renderer> instance = [] {
     render::RendererOptions options;
     options.device = std::getenv("HELIOGRAPH_DEVICE") ? "" : "cpu";
-    options.strict_validation = std::getenv("HELIOGRAPH_TEST_WITHOUT_VALIDATION") == nullptr;  // the bundle has no layers
+    options.strict_validation =
+        std::getenv("HELIOGRAPH_TEST_WITHOUT_VALIDATION") == nullptr;  // the bundle has no layers
     auto made = render::makeRenderer(options);
     if (!made) throw std::runtime_error(made.error().message);
     return std::move(*made);
@@ -64,7 +65,8 @@ glm::vec3 texel(const render::Frame& frame, uint32_t x, uint32_t y) {
 
 glm::vec3 mean(const render::Frame& frame) {
   glm::dvec3 sum(0.0);
-  for (size_t i = 0; i + 2 < frame.radiance.size(); i += 3) sum += glm::dvec3(frame.radiance[i], frame.radiance[i + 1], frame.radiance[i + 2]);
+  for (size_t i = 0; i + 2 < frame.radiance.size(); i += 3)
+    sum += glm::dvec3(frame.radiance[i], frame.radiance[i + 1], frame.radiance[i + 2]);
   return glm::vec3(sum / static_cast<double>(frame.radiance.size() / 3));
 }
 
