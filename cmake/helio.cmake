@@ -32,10 +32,10 @@ function(helio_test name)
   endif()
 endfunction()
 
-# Left out: -Wmissing-field-initializers (Vulkan's structs start with {sType} and the rest is zero) and GCC 12's -Wrestrict,
-# which cries wolf over std::string's operator+ (GCC bug 105329).
+# Left out: -Wmissing-field-initializers (Vulkan's structs start with {sType} and the rest is zero) and what GCC 12 cries wolf
+# over: -Wrestrict in std::string's operator+ (GCC bug 105329), -Wmaybe-uninitialized in std::variant.
 function(helio_warnings target)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-missing-field-initializers $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wno-missing-field-initializers $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict -Wno-maybe-uninitialized>)
   if(HELIOGRAPH_WERROR)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
