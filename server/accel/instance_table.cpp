@@ -62,9 +62,11 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
     placed.centre = bounds.centre();
     placed.radius = 0.5f * glm::length(bounds.extent());
     for (int row = 0; row < 3; ++row)
-      record.rows[row] = {instance.transform[0][row], instance.transform[1][row], instance.transform[2][row], instance.transform[3][row]};
+      record.rows[row] = {instance.transform[0][row], instance.transform[1][row], instance.transform[2][row],
+                          instance.transform[3][row]};
     record.mesh = placed.mesh;
-    record.emitter_weight = emitter_power_[placed.mesh] > 0.0f ? weigh_(emitter_power_[placed.mesh], instance.transform) : 0.0f;
+    record.emitter_weight =
+        emitter_power_[placed.mesh] > 0.0f ? weigh_(emitter_power_[placed.mesh], instance.transform) : 0.0f;
     emitters_dirty_ |= record.emitter_weight > 0.0f;
     keys_[slot] = mortonKey(placed.centre);
   }

@@ -24,11 +24,13 @@ struct PlacedInstance {
 /// its TLAS, and neighbours in memory are neighbours in space for every later pass.
 class InstanceTable {
  public:
-  /// `emitter_power`: by mesh, for InstanceRecord::emitter_weight (0: nothing shines); `weigh` scales it by a transform.
+  /// `emitter_power`: by mesh, for InstanceRecord::emitter_weight (0: nothing shines); `weigh` scales it by a
+  /// transform.
   InstanceTable(gpu::Device& device, const scene::Scene& scene, std::vector<float> emitter_power,
                 float (*weigh)(float power, const glm::mat4x3& transform));
 
-  /// Takes over what changed: CPU side only. `on_change(prefab, +1 or -1)` is called for each instance placed or removed.
+  /// Takes over what changed: CPU side only. `on_change(prefab, +1 or -1)` is called for each instance placed or
+  /// removed.
   void apply(const world::ChangeSet& changes, const std::function<void(uint32_t prefab, int64_t count)>& on_change);
   /// Something changed since the last upload().
   bool dirty() const { return !dirty_slots_.empty(); }
@@ -53,8 +55,8 @@ class InstanceTable {
   float (*weigh_)(float, const glm::mat4x3&);
   std::vector<PlacedInstance> placed_;
   std::vector<shared::InstanceRecord> records_;
-  std::vector<uint64_t> keys_;    // by slot
-  std::vector<uint32_t> order_;   // slots by (key, slot)
+  std::vector<uint64_t> keys_;   // by slot
+  std::vector<uint32_t> order_;  // slots by (key, slot)
   std::vector<uint32_t> dirty_slots_;
   bool emitters_dirty_ = false;
   gpu::Buffer record_buffer_;

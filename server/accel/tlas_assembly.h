@@ -11,8 +11,8 @@ class TlasAssembly {
  public:
   explicit TlasAssembly(gpu::Device& device);
 
-  /// Sizes the instance buffer: the next bucket above 1.25 times the count, so that the build count changes seldom; what
-  /// lies behind the last instance is null.
+  /// Sizes the instance buffer: the next bucket above 1.25 times the count, so that the build count changes seldom;
+  /// what lies behind the last instance is null.
   void reserve(gpu::Commands& commands, uint32_t count);
   /// Compute: writes `capacity()` TLAS instances from the table, in its order.
   void assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes);

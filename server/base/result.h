@@ -1,4 +1,5 @@
-// Result<T>: a value, or an error for people. (std::expected is C++23, and the clang tools of Debian 12 cannot read it.)
+// Result<T>: a value, or an error for people. (std::expected is C++23, and the clang tools of Debian 12 cannot read
+// it.)
 #pragma once
 
 #include <string>
@@ -9,13 +10,13 @@ namespace helio {
 
 /// What went wrong, in words that `service/` can map to a gRPC status without reading the text.
 enum class ErrorKind {
-  invalid,          ///< a field is wrong: INVALID_ARGUMENT
-  not_found,        ///< a name or id that does not exist: NOT_FOUND
-  limit,            ///< a limit or a memory budget: RESOURCE_EXHAUSTED
-  conflict,         ///< an expectation about state does not hold: ABORTED
-  unsupported,      ///< well-formed, but needs something that this build or device does not have: FAILED_PRECONDITION
-  unavailable,      ///< loading, draining, elsewhere: UNAVAILABLE
-  internal,         ///< our own fault: INTERNAL
+  invalid,      ///< a field is wrong: INVALID_ARGUMENT
+  not_found,    ///< a name or id that does not exist: NOT_FOUND
+  limit,        ///< a limit or a memory budget: RESOURCE_EXHAUSTED
+  conflict,     ///< an expectation about state does not hold: ABORTED
+  unsupported,  ///< well-formed, but needs something that this build or device does not have: FAILED_PRECONDITION
+  unavailable,  ///< loading, draining, elsewhere: UNAVAILABLE
+  internal,     ///< our own fault: INTERNAL
 };
 
 /// One line: what was wrong, with which value, what to do. `field` names the input, if there was one.
@@ -31,8 +32,8 @@ inline Error invalid(std::string field, std::string value, std::string message) 
   return {ErrorKind::invalid, std::move(message), std::move(field), std::move(value), {}};
 }
 
-/// Either a T or an E. `[[nodiscard]]`: an ignored Result is a bug. (Only service/ has an E of its own: what clients may
-/// learn beside the Error.)
+/// Either a T or an E. `[[nodiscard]]`: an ignored Result is a bug. (Only service/ has an E of its own: what clients
+/// may learn beside the Error.)
 template <typename T, typename E = Error>
 class [[nodiscard]] Result {
  public:

@@ -1,5 +1,6 @@
-// Emissive triangles as light sources: tables from which shaders choose one in proportion to its power (shaders/lib/emitters.glsl).
-// Two levels: an instance among all, then a triangle among its mesh's; so an edit touches only the first.
+// Emissive triangles as light sources: tables from which shaders choose one in proportion to its power
+// (shaders/lib/emitters.glsl). Two levels: an instance among all, then a triangle among its mesh's; so an edit touches
+// only the first.
 #pragma once
 
 #include <span>

@@ -62,7 +62,8 @@ LightGrid makeLightGrid(std::span<const PlacedLight> lights) {
       for (uint32_t x = first.x; x <= last.x; ++x) {
         const float distance = cell * glm::distance(p, glm::vec2(x, z) + 0.5f);
         if (distance > kLightRadius) continue;
-        insert(grid.cells[size_t{z} * grid.size.x + x], light.slot, light.weight / std::pow(std::max(distance, nearest), 2.0f));
+        insert(grid.cells[size_t{z} * grid.size.x + x], light.slot,
+               light.weight / std::pow(std::max(distance, nearest), 2.0f));
       }
   }
   for (shared::LightCell& c : grid.cells) finish(c);

@@ -17,7 +17,8 @@ bool never(const scene::Environment&) { return false; }
 constexpr std::array<Row, kEffects> kTable{{
     {"textures",
      [](const scene::Material& m) {
-       return m.base_color_texture != kNone || m.normal_texture != kNone || m.metallic_roughness_texture != kNone || m.emissive_texture != kNone;
+       return m.base_color_texture != kNone || m.normal_texture != kNone || m.metallic_roughness_texture != kNone ||
+              m.emissive_texture != kNone;
      },
      never},
     {"normal_maps", [](const scene::Material& m) { return m.normal_texture != kNone && !m.lambert; }, never},

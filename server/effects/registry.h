@@ -1,6 +1,6 @@
-// Which effects a scene calls for: found at load and at each edit, by counting. Shaders are specialised for exactly that,
-// and a pass that nothing calls for is not recorded. A new effect is one more row of the table in registry.cpp and one more
-// constant in shaders/lib/effects.glsl.
+// Which effects a scene calls for: found at load and at each edit, by counting. Shaders are specialised for exactly
+// that, and a pass that nothing calls for is not recorded. A new effect is one more row of the table in registry.cpp
+// and one more constant in shaders/lib/effects.glsl.
 #pragma once
 
 #include <array>

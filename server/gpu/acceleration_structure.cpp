@@ -5,9 +5,11 @@ namespace {
 
 uint64_t alignUp(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
 
-VkAccelerationStructureBuildSizesInfoKHR sizes(Device& device, const VkAccelerationStructureBuildGeometryInfoKHR& build, const uint32_t* counts) {
+VkAccelerationStructureBuildSizesInfoKHR sizes(Device& device, const VkAccelerationStructureBuildGeometryInfoKHR& build,
+                                               const uint32_t* counts) {
   VkAccelerationStructureBuildSizesInfoKHR result{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
-  vkGetAccelerationStructureBuildSizesKHR(device.handle(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &build, counts, &result);
+  vkGetAccelerationStructureBuildSizesKHR(device.handle(), VK_ACCELERATION_STRUCTURE_BUILD_TYPE_DEVICE_KHR, &build,
+                                          counts, &result);
   return result;
 }
 
@@ -28,14 +30,17 @@ VkAccelerationStructureGeometryKHR triangles(const BlasGeometry& input) {
 
 }  // namespace
 
-AccelerationStructure::AccelerationStructure(Device& device, const std::string& name, VkAccelerationStructureTypeKHR type, uint64_t size)
+AccelerationStructure::AccelerationStructure(Device& device, const std::string& name,
+                                             VkAccelerationStructureTypeKHR type, uint64_t size)
     : device_(&device),
-      buffer_(device, {name, size, MemoryCategory::ray_tracing, Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR}) {
+      buffer_(device, {name, size, MemoryCategory::ray_tracing, Placement::device,
+                       VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR}) {
   VkAccelerationStructureCreateInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
   info.buffer = buffer_.handle();
   info.size = size;
   info.type = type;
-  check(vkCreateAccelerationStructureKHR(device.handle(), &info, nullptr, &handle_), "the acceleration structure " + name);
+  check(vkCreateAccelerationStructureKHR(device.handle(), &info, nullptr, &handle_),
+        "the acceleration structure " + name);
   VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
   address.accelerationStructure = handle_;
   address_ = vkGetAccelerationStructureDeviceAddressKHR(device.handle(), &address);
@@ -75,20 +80,23 @@ std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<con
     build.geometryCount = static_cast<uint32_t>(geometries[i].size());
     build.pGeometries = geometries[i].data();
     const auto size = sizes(device, build, counts.data());
-    structures.emplace_back(device, "the BLAS of " + inputs[i].name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, size.accelerationStructureSize);
+    structures.emplace_back(device, "the BLAS of " + inputs[i].name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+                            size.accelerationStructureSize);
     build.dstAccelerationStructure = structures.back().handle();
     scratch_offsets[i] = scratch_size;
     scratch_size = alignUp(scratch_size + size.buildScratchSize, device.scratchAlignment());
   }
   if (inputs.empty()) return structures;
 
-  Buffer scratch(device, {"the scratch memory of " + std::to_string(inputs.size()) + " BLAS builds", scratch_size, MemoryCategory::ray_tracing});
+  Buffer scratch(device, {"the scratch memory of " + std::to_string(inputs.size()) + " BLAS builds", scratch_size,
+                          MemoryCategory::ray_tracing});
   std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> range_pointers;
   for (size_t i = 0; i < inputs.size(); ++i) {
     builds[i].scratchData.deviceAddress = scratch.address() + scratch_offsets[i];
     range_pointers.push_back(ranges[i].data());
   }
-  vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(), range_pointers.data());
+  vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(),
+                                      range_pointers.data());
   commands.retire(std::move(scratch));
   return structures;
 }
@@ -108,7 +116,8 @@ void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) 
   if (!structure_ || count > capacity_) {
     capacity_ = count;
     const auto size = sizes(device, build, &count);
-    structure_ = AccelerationStructure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR, size.accelerationStructureSize);
+    structure_ = AccelerationStructure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
+                                       size.accelerationStructureSize);
     scratch_ = Buffer(device, {"the scratch memory of the TLAS", size.buildScratchSize, MemoryCategory::ray_tracing});
   }
   build.dstAccelerationStructure = structure_.handle();

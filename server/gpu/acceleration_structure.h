@@ -48,8 +48,8 @@ struct BlasInput {
   std::vector<BlasGeometry> geometries;
 };
 
-/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much). Opaque, fast to trace.
-/// The caller places a barrier from build_write before the structures are used.
+/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much). Opaque, fast to
+/// trace. The caller places a barrier from build_write before the structures are used.
 std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs);
 
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.

@@ -70,12 +70,13 @@ std::vector<TimedPass> Commands::finish() {
   retired_.clear();
   std::vector<uint64_t> ticks(timestamps_);
   if (timestamps_)
-    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, timestamps_, ticks.size() * sizeof(uint64_t), ticks.data(),
-                                sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
+    check(vkGetQueryPoolResults(device_.handle(), queries_, 0, timestamps_, ticks.size() * sizeof(uint64_t),
+                                ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "reading timestamps");
   std::vector<TimedPass> passes;
   for (size_t i = 0; i < timers_.size(); ++i)
-    passes.push_back({timers_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * device_.timestampPeriodNs() * 1e-6});
+    passes.push_back(
+        {timers_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * device_.timestampPeriodNs() * 1e-6});
   return passes;
 }
 
@@ -86,7 +87,8 @@ Staging Commands::stage(uint64_t bytes, uint64_t alignment) {
     chunk.used = offset + bytes;
     return {chunk.buffer.mapped() + offset, chunk.buffer.handle(), offset, chunk.buffer.address() + offset};
   }
-  BufferDescription description{"the upload ring", std::max(kChunkBytes, bytes), MemoryCategory::transfer, Placement::upload};
+  BufferDescription description{"the upload ring", std::max(kChunkBytes, bytes), MemoryCategory::transfer,
+                                Placement::upload};
   Buffer buffer(device_, description);
   if (bytes > kChunkBytes) {  // one-off: not worth keeping
     const Staging staging{buffer.mapped(), buffer.handle(), 0, buffer.address()};
@@ -117,7 +119,9 @@ void Commands::copy(const Image& from, const Buffer& to) {
   vkCmdCopyImageToBuffer(handle_, from.handle(), VK_IMAGE_LAYOUT_GENERAL, to.handle(), 1, &region);
 }
 
-void Commands::fill(const Buffer& buffer, uint32_t value) { vkCmdFillBuffer(handle_, buffer.handle(), 0, VK_WHOLE_SIZE, value); }
+void Commands::fill(const Buffer& buffer, uint32_t value) {
+  vkCmdFillBuffer(handle_, buffer.handle(), 0, VK_WHOLE_SIZE, value);
+}
 
 void Commands::clear(const Image& image) {
   const VkClearColorValue zero{};
@@ -137,18 +141,24 @@ void Commands::uploadTexture(const Image& image, std::span<const std::byte> texe
 
   const auto edge = [](uint32_t size, uint32_t mip) { return static_cast<int32_t>(std::max(1u, size >> mip)); };
   for (uint32_t mip = 1; mip < image.mips(); ++mip) {
-    barrier(use::transfer_write, {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT});
+    barrier(use::transfer_write,
+            {VK_PIPELINE_STAGE_2_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT});
     VkImageBlit blit{};
     blit.srcSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip - 1, 0, 1};
     blit.srcOffsets[1] = {edge(image.width(), mip - 1), edge(image.height(), mip - 1), 1};
     blit.dstSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, mip, 0, 1};
     blit.dstOffsets[1] = {edge(image.width(), mip), edge(image.height(), mip), 1};
-    vkCmdBlitImage(handle_, image.handle(), VK_IMAGE_LAYOUT_GENERAL, image.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &blit, VK_FILTER_LINEAR);
+    vkCmdBlitImage(handle_, image.handle(), VK_IMAGE_LAYOUT_GENERAL, image.handle(), VK_IMAGE_LAYOUT_GENERAL, 1, &blit,
+                   VK_FILTER_LINEAR);
   }
 }
 
-void Commands::bind(const ComputePipeline& pipeline) { vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle()); }
-void Commands::bind(const RasterPipeline& pipeline) { vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle()); }
+void Commands::bind(const ComputePipeline& pipeline) {
+  vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline.handle());
+}
+void Commands::bind(const RasterPipeline& pipeline) {
+  vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.handle());
+}
 void Commands::bind(const RayTracingPipeline& pipeline) {
   vkCmdBindPipeline(handle_, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR, pipeline.handle());
 }
@@ -186,7 +196,9 @@ void Commands::prepare(const Image& image) {
 }
 
 void Commands::beginTimer(const std::string& name) {
-  if (timestamps_ + 2 > kMaxTimestamps) throw Failure({ErrorKind::limit, "more timed passes in a frame than " + std::to_string(kMaxTimestamps / 2), {}, {}, {}});
+  if (timestamps_ + 2 > kMaxTimestamps)
+    throw Failure(
+        {ErrorKind::limit, "more timed passes in a frame than " + std::to_string(kMaxTimestamps / 2), {}, {}, {}});
   timers_.push_back(name);
   writeTimestamp();
 }
@@ -195,7 +207,8 @@ void Commands::endTimer() { writeTimestamp(); }
 
 void Commands::writeTimestamp() {
   vkCmdWriteTimestamp2(handle_, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, queries_, timestamps_++);
-  // lavapipe flushes raster work lazily: without a full barrier after every timestamp a pass is billed to its neighbour.
+  // lavapipe flushes raster work lazily: without a full barrier after every timestamp a pass is billed to its
+  // neighbour.
   if (device_.cpu()) barrier(use::everything, use::everything);
 }
 

@@ -17,11 +17,13 @@ constexpr std::array kDeviceExtensions{
 };
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 constexpr const char* kHowToGetRayTracing =
-    "for software rendering install Mesa 24.1 or newer (Debian 12: mesa-vulkan-drivers from bookworm-backports), for an "
+    "for software rendering install Mesa 24.1 or newer (Debian 12: mesa-vulkan-drivers from bookworm-backports), for "
+    "an "
     "NVIDIA GPU driver 525 or newer; deploy/build installs lavapipe";
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
@@ -46,11 +48,16 @@ bool hasRayTracing(VkPhysicalDevice device) {
 /// Higher is better: discrete, integrated, virtual, software.
 int rank(VkPhysicalDevice device) {
   switch (properties(device).deviceType) {
-    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU: return 4;
-    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU: return 3;
-    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU: return 2;
-    case VK_PHYSICAL_DEVICE_TYPE_CPU: return 1;
-    default: return 0;
+    case VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU:
+      return 4;
+    case VK_PHYSICAL_DEVICE_TYPE_INTEGRATED_GPU:
+      return 3;
+    case VK_PHYSICAL_DEVICE_TYPE_VIRTUAL_GPU:
+      return 2;
+    case VK_PHYSICAL_DEVICE_TYPE_CPU:
+      return 1;
+    default:
+      return 0;
   }
 }
 
@@ -63,7 +70,8 @@ bool matches(VkPhysicalDevice device, const std::string& select) {
 
 }  // namespace
 
-// ---- Bindless ----------------------------------------------------------------------------------------------------------
+// ---- Bindless
+// ----------------------------------------------------------------------------------------------------------
 
 void Bindless::create(VkDevice device, float max_anisotropy) {
   VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
@@ -82,7 +90,8 @@ void Bindless::create(VkDevice device, float max_anisotropy) {
                                               VK_DESCRIPTOR_BINDING_PARTIALLY_BOUND_BIT |
                                               VK_DESCRIPTOR_BINDING_UPDATE_UNUSED_WHILE_PENDING_BIT;
   const std::array<VkDescriptorBindingFlags, 2> flags{kFlags, kFlags};
-  VkDescriptorSetLayoutBindingFlagsCreateInfo binding_flags{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO};
+  VkDescriptorSetLayoutBindingFlagsCreateInfo binding_flags{
+      VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_BINDING_FLAGS_CREATE_INFO};
   binding_flags.bindingCount = static_cast<uint32_t>(flags.size());
   binding_flags.pBindingFlags = flags.data();
   VkDescriptorSetLayoutCreateInfo layout{VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO};
@@ -92,8 +101,8 @@ void Bindless::create(VkDevice device, float max_anisotropy) {
   layout.pBindings = bindings.data();
   check(vkCreateDescriptorSetLayout(device, &layout, nullptr, &layout_), "the bindless set's layout");
 
-  const std::array<VkDescriptorPoolSize, 2> sizes{{{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures},
-                                                   {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kStorageImages}}};
+  const std::array<VkDescriptorPoolSize, 2> sizes{
+      {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures}, {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, kStorageImages}}};
   VkDescriptorPoolCreateInfo pool{VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO};
   pool.flags = VK_DESCRIPTOR_POOL_CREATE_UPDATE_AFTER_BIND_BIT;
   pool.maxSets = 1;
@@ -124,7 +133,9 @@ uint32_t Bindless::add(VkDevice device, VkImageView view, bool storage) {
     throw Failure({ErrorKind::limit,
                    std::string("all ") + std::to_string(slots.capacity) + (storage ? " storage images" : " textures") +
                        " of the bindless set are in use: delete a world or a viewer",
-                   {}, {}, std::to_string(slots.capacity)});
+                   {},
+                   {},
+                   std::to_string(slots.capacity)});
   } else {
     ++slots.next;
   }
@@ -145,7 +156,8 @@ void Bindless::remove(uint32_t slot, bool storage) {
   slots_[storage].free.push_back(slot);
 }
 
-// ---- Device ------------------------------------------------------------------------------------------------------------
+// ---- Device
+// ------------------------------------------------------------------------------------------------------------
 
 Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   std::unique_ptr<Device> device(new Device);
@@ -157,9 +169,7 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   if (auto chosen = device->choosePhysicalDevice(); !chosen) return chosen.error();
   try {
     device->createDevice();
-  } catch (const Failure& failure) {
-    return failure.error();
-  }
+  } catch (const Failure& failure) { return failure.error(); }
   spdlog::info("Vulkan device: {} ({}){}", device->name_, device->driver_, device->cpu_ ? ", in software" : "");
   return device;
 }
@@ -167,7 +177,8 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
 Result<void> Device::createInstance() {
   static const VkResult loader = volkInitialize();
   if (loader != VK_SUCCESS)
-    return Error{ErrorKind::unsupported, "no Vulkan loader (libvulkan.so.1) on this machine: install libvulkan1", {}, {}, {}};
+    return Error{
+        ErrorKind::unsupported, "no Vulkan loader (libvulkan.so.1) on this machine: install libvulkan1", {}, {}, {}};
 
   std::vector<const char*> layers;
   std::vector<const char*> extensions;
@@ -176,7 +187,8 @@ Result<void> Device::createInstance() {
   features.enabledValidationFeatureCount = 1;
   features.pEnabledValidationFeatures = &synchronisation;
   VkDebugUtilsMessengerCreateInfoEXT messenger{VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT};
-  messenger.messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
+  messenger.messageSeverity =
+      VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT;
   messenger.messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT | VK_DEBUG_UTILS_MESSAGE_TYPE_GENERAL_BIT_EXT;
   messenger.pfnUserCallback = &Device::onMessage;
   messenger.pUserData = this;
@@ -200,11 +212,18 @@ Result<void> Device::createInstance() {
     return Error{ErrorKind::unsupported,
                  std::string("validation was asked for, but the layer ") + kValidationLayer +
                      " is not installed: install vulkan-validationlayers",
-                 {}, {}, {}};
+                 {},
+                 {},
+                 {}};
   if (created != VK_SUCCESS)
-    return Error{ErrorKind::unsupported, std::string("no Vulkan driver could be loaded (") + gpu::name(created) + "): " + kHowToGetRayTracing, {}, {}, {}};
+    return Error{ErrorKind::unsupported,
+                 std::string("no Vulkan driver could be loaded (") + gpu::name(created) + "): " + kHowToGetRayTracing,
+                 {},
+                 {},
+                 {}};
   volkLoadInstance(instance_);
-  if (options_.validation) check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "the validation messenger");
+  if (options_.validation)
+    check(vkCreateDebugUtilsMessengerEXT(instance_, &messenger, nullptr, &messenger_), "the validation messenger");
   return {};
 }
 
@@ -214,31 +233,40 @@ Result<void> Device::choosePhysicalDevice() {
   std::vector<VkPhysicalDevice> devices(count);
   vkEnumeratePhysicalDevices(instance_, &count, devices.data());
   std::string listed;
-  for (VkPhysicalDevice d : devices) listed += (listed.empty() ? "" : ", ") + std::string("'") + properties(d).deviceName + "'";
-  if (devices.empty()) return Error{ErrorKind::unsupported, std::string("no Vulkan device on this machine: ") + kHowToGetRayTracing, {}, {}, {}};
+  for (VkPhysicalDevice d : devices)
+    listed += (listed.empty() ? "" : ", ") + std::string("'") + properties(d).deviceName + "'";
+  if (devices.empty())
+    return Error{
+        ErrorKind::unsupported, std::string("no Vulkan device on this machine: ") + kHowToGetRayTracing, {}, {}, {}};
 
   const std::string& select = options_.select;
   std::vector<VkPhysicalDevice> wanted;
   for (VkPhysicalDevice d : devices)
     if (select.empty() || matches(d, select)) wanted.push_back(d);
   if (wanted.empty())
-    return Error{ErrorKind::not_found, "no Vulkan device matches '" + select + "'; there are: " + listed, "device", select, {}};
+    return Error{
+        ErrorKind::not_found, "no Vulkan device matches '" + select + "'; there are: " + listed, "device", select, {}};
 
   std::stable_sort(wanted.begin(), wanted.end(), [](auto a, auto b) { return rank(a) > rank(b); });
   const auto able = std::find_if(wanted.begin(), wanted.end(), hasRayTracing);
   if (able == wanted.end())
-    return Error{ErrorKind::unsupported,
-                 std::string("'") + properties(wanted.front()).deviceName +
-                     "' has no Vulkan 1.3 with ray tracing pipelines (VK_KHR_ray_tracing_pipeline): " + kHowToGetRayTracing,
-                 "device", select, {}};
+    return Error{
+        ErrorKind::unsupported,
+        std::string("'") + properties(wanted.front()).deviceName +
+            "' has no Vulkan 1.3 with ray tracing pipelines (VK_KHR_ray_tracing_pipeline): " + kHowToGetRayTracing,
+        "device",
+        select,
+        {}};
   if (able != wanted.begin())
-    spdlog::warn("'{}' has no ray tracing pipelines, using '{}'", properties(wanted.front()).deviceName, properties(*able).deviceName);
+    spdlog::warn("'{}' has no ray tracing pipelines, using '{}'", properties(wanted.front()).deviceName,
+                 properties(*able).deviceName);
   physical_ = *able;
   return {};
 }
 
 void Device::createDevice() {
-  VkPhysicalDeviceAccelerationStructurePropertiesKHR acceleration{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
+  VkPhysicalDeviceAccelerationStructurePropertiesKHR acceleration{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_PROPERTIES_KHR};
   ray_tracing_ = {VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_PROPERTIES_KHR};
   ray_tracing_.pNext = &acceleration;
   VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
@@ -258,13 +286,17 @@ void Device::createDevice() {
   std::vector<VkQueueFamilyProperties> families(family_count);
   vkGetPhysicalDeviceQueueFamilyProperties(physical_, &family_count, families.data());
   constexpr VkQueueFlags kEverything = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  while (queue_family_ < family_count && (families[queue_family_].queueFlags & kEverything) != kEverything) ++queue_family_;
+  while (queue_family_ < family_count && (families[queue_family_].queueFlags & kEverything) != kEverything)
+    ++queue_family_;
   if (queue_family_ == family_count)
-    throw Failure({ErrorKind::unsupported, "'" + name_ + "' has no queue for graphics and compute", "device", name_, {}});
+    throw Failure(
+        {ErrorKind::unsupported, "'" + name_ + "' has no queue for graphics and compute", "device", name_, {}});
 
-  VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
+  VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
   ray_tracing.rayTracingPipeline = VK_TRUE;
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
+  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
+      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structures.pNext = &ray_tracing;
   structures.accelerationStructure = VK_TRUE;
   VkPhysicalDeviceVulkan13Features vulkan13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};

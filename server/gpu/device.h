@@ -52,8 +52,8 @@ class Bindless {
 
 class Device {
  public:
-  /// Errors: no Vulkan loader, no device of that name (the ones there are listed), no ray tracing pipelines (says how to
-  /// get them), validation layer missing.
+  /// Errors: no Vulkan loader, no device of that name (the ones there are listed), no ray tracing pipelines (says how
+  /// to get them), validation layer missing.
   static Result<std::unique_ptr<Device>> create(const DeviceOptions& options);
   ~Device();
   Device(const Device&) = delete;
@@ -79,7 +79,9 @@ class Device {
 
   /// Bytes allocated now, by category.
   uint64_t memoryInUse(MemoryCategory category) const { return memory_[static_cast<size_t>(category)].load(); }
-  void account(MemoryCategory category, int64_t bytes) { memory_[static_cast<size_t>(category)] += static_cast<uint64_t>(bytes); }
+  void account(MemoryCategory category, int64_t bytes) {
+    memory_[static_cast<size_t>(category)] += static_cast<uint64_t>(bytes);
+  }
 
   /// Validation messages of severity error so far (0 without the layer). Tests assert that it stays 0.
   uint64_t validationErrors() const { return validation_errors_.load(); }

@@ -16,9 +16,9 @@ Buffer::Buffer(Device& device, const BufferDescription& description)
   placement.usage = VMA_MEMORY_USAGE_AUTO_PREFER_DEVICE;
   if (description.placement != Placement::device) {
     placement.usage = VMA_MEMORY_USAGE_AUTO_PREFER_HOST;
-    placement.flags = VMA_ALLOCATION_CREATE_MAPPED_BIT |
-                      (description.placement == Placement::upload ? VMA_ALLOCATION_CREATE_HOST_ACCESS_SEQUENTIAL_WRITE_BIT
-                                                                  : VMA_ALLOCATION_CREATE_HOST_ACCESS_RANDOM_BIT);
+    placement.flags = VMA_ALLOCATION_CREATE_MAPPED_BIT | (description.placement == Placement::upload
+                                                              ? VMA_ALLOCATION_CREATE_HOST_ACCESS_SEQUENTIAL_WRITE_BIT
+                                                              : VMA_ALLOCATION_CREATE_HOST_ACCESS_RANDOM_BIT);
   }
   VmaAllocationInfo allocated{};
   // The alignment serves shader tables, scratch and acceleration structures, whatever the device asks for.

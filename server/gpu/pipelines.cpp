@@ -33,7 +33,8 @@ class Module {
 /// VkSpecializationInfo of constants 0, 1, 2, ...
 struct Constants {
   explicit Constants(const Specialisation& values) {
-    for (uint32_t i = 0; i < values.size(); ++i) entries.push_back({i, static_cast<uint32_t>(i * sizeof(uint32_t)), sizeof(uint32_t)});
+    for (uint32_t i = 0; i < values.size(); ++i)
+      entries.push_back({i, static_cast<uint32_t>(i * sizeof(uint32_t)), sizeof(uint32_t)});
     info = {static_cast<uint32_t>(entries.size()), entries.data(), values.size() * sizeof(uint32_t), values.data()};
   }
   Constants(const Constants&) = delete;
@@ -65,7 +66,8 @@ ComputePipeline::ComputePipeline(Device& device, const std::string& shader, cons
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants);
   info.layout = device.pipelineLayout();
-  check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_), "the pipeline " + shader);
+  check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_),
+        "the pipeline " + shader);
 }
 
 RasterPipeline::RasterPipeline(Device& device, const RasterDescription& description) {
@@ -76,7 +78,8 @@ RasterPipeline::RasterPipeline(Device& device, const RasterDescription& descript
   const std::array stages{stage(VK_SHADER_STAGE_VERTEX_BIT, vertex, constants),
                           stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment, constants)};
 
-  const VkPipelineVertexInputStateCreateInfo no_vertex_buffers{VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
+  const VkPipelineVertexInputStateCreateInfo no_vertex_buffers{
+      VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO};
   VkPipelineInputAssemblyStateCreateInfo assembly{VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO};
   assembly.topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST;
   VkPipelineViewportStateCreateInfo viewport{VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO};
@@ -117,7 +120,8 @@ RasterPipeline::RasterPipeline(Device& device, const RasterDescription& descript
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamics;
   info.layout = device.pipelineLayout();
-  check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_), "the pipeline " + description.vertex);
+  check(vkCreateGraphicsPipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_),
+        "the pipeline " + description.vertex);
 }
 
 RayTracingPipeline::RayTracingPipeline(Device& device, const RayTracingDescription& description) {
@@ -142,9 +146,11 @@ RayTracingPipeline::RayTracingPipeline(Device& device, const RayTracingDescripti
     groups.push_back(group);
   };
   constexpr uint32_t kUnused = VK_SHADER_UNUSED_KHR;
-  add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, add_stage(VK_SHADER_STAGE_RAYGEN_BIT_KHR, description.raygen), kUnused, kUnused);
+  add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, add_stage(VK_SHADER_STAGE_RAYGEN_BIT_KHR, description.raygen),
+            kUnused, kUnused);
   for (const std::string& miss : description.misses)
-    add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, add_stage(VK_SHADER_STAGE_MISS_BIT_KHR, miss), kUnused, kUnused);
+    add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, add_stage(VK_SHADER_STAGE_MISS_BIT_KHR, miss), kUnused,
+              kUnused);
   for (const HitGroup& hit : description.hits) {
     const uint32_t closest = add_stage(VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, hit.closest_hit);
     const uint32_t any = hit.any_hit.empty() ? kUnused : add_stage(VK_SHADER_STAGE_ANY_HIT_BIT_KHR, hit.any_hit);
@@ -170,10 +176,12 @@ RayTracingPipeline::RayTracingPipeline(Device& device, const RayTracingDescripti
   const uint32_t miss_offset = alignUp(record, base);
   const uint32_t hit_offset = miss_offset + alignUp(misses * record, base);
   std::vector<std::byte> handles(groups.size() * handle_size);
-  check(vkGetRayTracingShaderGroupHandlesKHR(device.handle(), handle_, 0, static_cast<uint32_t>(groups.size()), handles.size(), handles.data()),
+  check(vkGetRayTracingShaderGroupHandlesKHR(device.handle(), handle_, 0, static_cast<uint32_t>(groups.size()),
+                                             handles.size(), handles.data()),
         "the shader table of " + description.raygen);
-  table_ = Buffer(device, {"the shader table of " + description.raygen, hit_offset + alignUp(hits * record, base),
-                           MemoryCategory::ray_tracing, Placement::upload, VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR});
+  table_ =
+      Buffer(device, {"the shader table of " + description.raygen, hit_offset + alignUp(hits * record, base),
+                      MemoryCategory::ray_tracing, Placement::upload, VK_BUFFER_USAGE_SHADER_BINDING_TABLE_BIT_KHR});
   const auto write = [&](uint32_t offset, uint32_t group) {
     std::memcpy(table_.mapped() + offset, handles.data() + group * handle_size, handle_size);
   };

@@ -10,26 +10,32 @@ constexpr float kMaxCoordinate = 1e6f;  // metres
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-std::string text(const glm::vec3& v) { return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")"; }
+std::string text(const glm::vec3& v) {
+  return "(" + std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z) + ")";
+}
 
 template <typename T>
 Result<void> inRange(const char* field, T value, T low, T high) {
   if (value >= low && value <= high) return {};
   const std::string limit = std::to_string(low) + " to " + std::to_string(high);
-  return Error{ErrorKind::invalid, std::string(field) + " is " + std::to_string(value) + ": give " + limit, field, std::to_string(value), limit};
+  return Error{ErrorKind::invalid, std::string(field) + " is " + std::to_string(value) + ": give " + limit, field,
+               std::to_string(value), limit};
 }
 
 }  // namespace
 
 Result<void> check(const scene::Camera& camera) {
   if (!finite(camera.position) || glm::length(camera.position) > kMaxCoordinate)
-    return invalid("camera.position", text(camera.position), "camera.position is " + text(camera.position) + ": give finite metres, at most 1000 km away");
-  if (!finite(camera.forward) || !finite(camera.up) || !(glm::length(camera.forward) > 1e-6f) || !(glm::length(camera.up) > 1e-6f))
+    return invalid("camera.position", text(camera.position),
+                   "camera.position is " + text(camera.position) + ": give finite metres, at most 1000 km away");
+  if (!finite(camera.forward) || !finite(camera.up) || !(glm::length(camera.forward) > 1e-6f) ||
+      !(glm::length(camera.up) > 1e-6f))
     return invalid("camera.forward", text(camera.forward), "camera.forward and camera.up must be finite and not zero");
   if (glm::length(glm::cross(glm::normalize(camera.forward), glm::normalize(camera.up))) < 1e-4f)
     return invalid("camera.up", text(camera.up), "camera.up is parallel to camera.forward: give another direction");
   if (!(camera.vfov > 0.001f && camera.vfov < 3.1f))
-    return invalid("camera.vfov", std::to_string(camera.vfov), "camera.vfov is " + std::to_string(camera.vfov) + ": give 0.001 to 3.1 radians");
+    return invalid("camera.vfov", std::to_string(camera.vfov),
+                   "camera.vfov is " + std::to_string(camera.vfov) + ": give 0.001 to 3.1 radians");
   return {};
 }
 

@@ -7,12 +7,16 @@
 
 namespace helio::render {
 
-DrawList cullToFrustum(const accel::InstanceTable& instances, size_t mesh_count, const scene::Camera& camera, float aspect) {
+DrawList cullToFrustum(const accel::InstanceTable& instances, size_t mesh_count, const scene::Camera& camera,
+                       float aspect) {
   // Inward unit normals of the four sides.
   const CameraFrame frame = cameraFrame(camera);
   const float half_height = frame.tangent, half_width = frame.tangent * aspect;
-  const auto side = [&](const glm::vec3& axis, float half) { return (frame.forward * half - axis) / std::sqrt(1.0f + half * half); };
-  const std::array sides{side(frame.right, half_width), side(-frame.right, half_width), side(frame.up, half_height), side(-frame.up, half_height)};
+  const auto side = [&](const glm::vec3& axis, float half) {
+    return (frame.forward * half - axis) / std::sqrt(1.0f + half * half);
+  };
+  const std::array sides{side(frame.right, half_width), side(-frame.right, half_width), side(frame.up, half_height),
+                         side(-frame.up, half_height)};
 
   std::vector<uint32_t> visible;
   std::vector<uint32_t> counts(mesh_count + 1);

@@ -21,6 +21,7 @@ struct DrawList {
 };
 
 /// Bounding spheres against the frustum's four sides (the far plane is at infinity).
-DrawList cullToFrustum(const accel::InstanceTable& instances, size_t mesh_count, const scene::Camera& camera, float aspect);
+DrawList cullToFrustum(const accel::InstanceTable& instances, size_t mesh_count, const scene::Camera& camera,
+                       float aspect);
 
 }  // namespace helio::render

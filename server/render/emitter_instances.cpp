@@ -41,7 +41,8 @@ void EmitterInstances::describe(shared::FrameConstants& constants) const {
   constants.light_cells_per_metre = cells_per_metre_;
 }
 
-void EmitterInstances::store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name, std::span<const std::byte> bytes) const {
+void EmitterInstances::store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name,
+                             std::span<const std::byte> bytes) const {
   if (buffer.size() < bytes.size()) {
     if (buffer) commands.retire(std::move(buffer));
     buffer = gpu::Buffer(device_, {name, bytes.size() + bytes.size() / 2, gpu::MemoryCategory::path_tracing});

@@ -18,7 +18,8 @@ class EmitterInstances {
   uint64_t bytes() const { return instances_.size() + cells_.size(); }
 
  private:
-  void store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name, std::span<const std::byte> bytes) const;
+  void store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name,
+             std::span<const std::byte> bytes) const;
 
   gpu::Device& device_;
   gpu::Buffer instances_;

@@ -1,5 +1,5 @@
-// A graph of passes: each declares what it reads and writes; the graph places the barriers, times every pass, and records
-// them in the order in which they were added. A pass that nothing calls for is simply not added.
+// A graph of passes: each declares what it reads and writes; the graph places the barriers, times every pass, and
+// records them in the order in which they were added. A pass that nothing calls for is simply not added.
 #pragma once
 
 #include <functional>
@@ -25,7 +25,8 @@ class Graph {
   /// `name`: file, timer and telemetry field. `owner`: index of the view, or kShared.
   void add(std::string name, int owner, std::vector<Access> accesses, std::function<void(gpu::Commands&)> record);
 
-  /// Records all passes with the barriers between them. Images stay in layout GENERAL, so memory barriers are all it takes.
+  /// Records all passes with the barriers between them. Images stay in layout GENERAL, so memory barriers are all it
+  /// takes.
   void record(gpu::Commands& commands) const;
 
   struct Pass {

@@ -14,8 +14,14 @@ namespace helio::render {
 
 struct Passes {
   explicit Passes(gpu::Device& device)
-      : primary_raster(device), primary_traced(device), path_trace(device), accumulate(device), statistics(device),
-        exposure(device), tonemap(device), bare_trace(device) {}
+      : primary_raster(device),
+        primary_traced(device),
+        path_trace(device),
+        accumulate(device),
+        statistics(device),
+        exposure(device),
+        tonemap(device),
+        bare_trace(device) {}
   PrimaryRaster primary_raster;
   PrimaryTraced primary_traced;
   PathTrace path_trace;

@@ -17,16 +17,15 @@ template <typename Work>
 auto guarded(Work&& work) -> decltype(work()) {
   try {
     return work();
-  } catch (const gpu::DeviceLost&) {
-    throw;
-  } catch (const gpu::Failure& failure) {
+  } catch (const gpu::DeviceLost&) { throw; } catch (const gpu::Failure& failure) {
     return failure.error();
   }
 }
 
 class VulkanRenderer final : public Renderer {
  public:
-  VulkanRenderer(std::shared_ptr<gpu::Device> device, bool strict) : device_(std::move(device)), passes_(*device_), strict_(strict) {}
+  VulkanRenderer(std::shared_ptr<gpu::Device> device, bool strict)
+      : device_(std::move(device)), passes_(*device_), strict_(strict) {}
 
   DeviceInfo device() const override { return {device_->name(), device_->driver(), device_->cpu()}; }
 
@@ -68,7 +67,8 @@ class VulkanRenderer final : public Renderer {
     renderer->removeView(view);
   }
 
-  Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes, std::span<const ViewRequest> views) override {
+  Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
+                                  std::span<const ViewRequest> views) override {
     const std::shared_ptr<WorldRenderer> renderer = find(world);
     if (!renderer) return unknown(world);
     const uint64_t errors_before = device_->validationErrors();
@@ -84,7 +84,9 @@ class VulkanRenderer final : public Renderer {
     const auto found = worlds_.find(world);
     return found == worlds_.end() ? nullptr : found->second;
   }
-  static Error unknown(WorldHandle world) { return {ErrorKind::not_found, "no world " + std::to_string(world), "world", std::to_string(world), {}}; }
+  static Error unknown(WorldHandle world) {
+    return {ErrorKind::not_found, "no world " + std::to_string(world), "world", std::to_string(world), {}};
+  }
 
   std::shared_ptr<gpu::Device> device_;
   Passes passes_;

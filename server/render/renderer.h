@@ -21,14 +21,14 @@ enum class Primary { raster, traced };
 
 /// A viewer's settings. A change of size, mode, primary or bounces restarts accumulation.
 struct ViewSettings {
-  uint32_t width = 640;             ///< pixels, [16, 8192]
-  uint32_t height = 360;            ///< pixels, [16, 8192]
+  uint32_t width = 640;   ///< pixels, [16, 8192]
+  uint32_t height = 360;  ///< pixels, [16, 8192]
   Mode mode = Mode::hybrid;
   Primary primary = Primary::raster;
-  uint32_t bounces = 3;             ///< B, [0, 32]: all paths of 0 to B + 1 scatterings
-  uint32_t samples = 1;             ///< paths a pixel a tick, [1, 64]
-  bool roulette = true;             ///< Russian roulette (unbiased)
-  bool accumulate = true;           ///< average over ticks while camera and world stand still
+  uint32_t bounces = 3;    ///< B, [0, 32]: all paths of 0 to B + 1 scatterings
+  uint32_t samples = 1;    ///< paths a pixel a tick, [1, 64]
+  bool roulette = true;    ///< Russian roulette (unbiased)
+  bool accumulate = true;  ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;         ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
   bool keep_radiance = false;       ///< also hand out linear radiance (shot, fidelity, tests)
@@ -41,36 +41,42 @@ struct DeviceInfo {
   bool cpu = false;  ///< a software device such as lavapipe
 };
 
-struct PassTime { std::string name; double ms = 0.0; };
+struct PassTime {
+  std::string name;
+  double ms = 0.0;
+};
 struct EffectCost {
   std::string name;
   uint64_t instances = 0;     ///< live instances that call for it
   uint64_t memory_bytes = 0;  ///< GPU memory that exists only for it
   double pass_ms = 0.0;       ///< time of the passes that only it calls for
 };
-struct Rays { uint64_t primary = 0, bounce = 0, shadow = 0, retrace = 0; uint64_t total() const { return primary + bounce + shadow + retrace; } };
+struct Rays {
+  uint64_t primary = 0, bounce = 0, shadow = 0, retrace = 0;
+  uint64_t total() const { return primary + bounce + shadow + retrace; }
+};
 
 /// GPU memory by the thesis's categories (§4.3), bytes.
 struct MemoryUse {
-  uint64_t raster = 0;       ///< needed by rasterisation too: meshes, textures, materials, common targets
-  uint64_t ray_tracing = 0;  ///< inherent to ray tracing: acceleration structures, scratch, instance buffers
-  uint64_t path_tracing = 0; ///< path tracing only: accumulation, denoiser
+  uint64_t raster = 0;        ///< needed by rasterisation too: meshes, textures, materials, common targets
+  uint64_t ray_tracing = 0;   ///< inherent to ray tracing: acceleration structures, scratch, instance buffers
+  uint64_t path_tracing = 0;  ///< path tracing only: accumulation, denoiser
 };
 
 struct FrameStats {
   uint64_t tick = 0;
   uint64_t applied_seq = 0;
-  double time = 0.0;                   ///< world time, seconds
-  double gpu_ms = 0.0;                 ///< sum of the passes
-  double bare_trace_ms = 0.0;          ///< with measure_bare_trace
-  std::vector<PassTime> passes;        ///< in order; the world's own (assemble, tlas, ...) first
-  std::vector<EffectCost> effects;     ///< present ones only
+  double time = 0.0;                ///< world time, seconds
+  double gpu_ms = 0.0;              ///< sum of the passes
+  double bare_trace_ms = 0.0;       ///< with measure_bare_trace
+  std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
+  std::vector<EffectCost> effects;  ///< present ones only
   Rays rays;
-  uint64_t nonfinite = 0;              ///< samples dropped because they were not finite
-  uint32_t accumulated = 1;            ///< samples a pixel behind this picture
+  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite
+  uint32_t accumulated = 1;  ///< samples a pixel behind this picture
   uint32_t tlas_instances = 0;
-  uint64_t triangles_drawn = 0;        ///< rasterised
-  double exposure = 1.0;               ///< factor on radiance
+  uint64_t triangles_drawn = 0;  ///< rasterised
+  double exposure = 1.0;         ///< factor on radiance
   MemoryUse memory;
 };
 
@@ -96,8 +102,8 @@ struct ViewRequest {
   ViewSettings settings;
 };
 
-/// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from one
-/// thread at a time.
+/// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
+/// one thread at a time.
 class Renderer {
  public:
   virtual ~Renderer() = default;
@@ -109,18 +115,22 @@ class Renderer {
   virtual Result<ViewHandle> addView(WorldHandle world) = 0;
   virtual void removeView(ViewHandle view) = 0;
 
-  /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the GPU.
-  /// Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).
-  virtual Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes, std::span<const ViewRequest> views) = 0;
+  /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the
+  /// GPU. Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).
+  virtual Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
+                                          std::span<const ViewRequest> views) = 0;
 };
 
-/// Checks a camera and settings before anything is queued: finite, not degenerate, in range. Names the field and the limit.
+/// Checks a camera and settings before anything is queued: finite, not degenerate, in range. Names the field and the
+/// limit.
 Result<void> check(const scene::Camera& camera);
 Result<void> check(const ViewSettings& settings);
 
 struct RendererOptions {
-  std::string device;       ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
-  bool validation = false;  ///< Khronos validation layer; a message of severity error ends the process through the handler
+  std::string
+      device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
+  bool validation =
+      false;  ///< Khronos validation layer; a message of severity error ends the process through the handler
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
 };
 

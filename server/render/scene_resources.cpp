@@ -11,14 +11,15 @@
 namespace helio::render {
 namespace {
 
-constexpr uint32_t kMaxSubmeshes = 256;         // a geometry index has 8 bits in the visibility image
+constexpr uint32_t kMaxSubmeshes = 256;  // a geometry index has 8 bits in the visibility image
 constexpr uint32_t kMaxInFlightTexels = 64u << 20;
 
 /// Octahedral snorm16 pair [Cigolle et al. 2014].
 uint32_t octahedral(const glm::vec3& n) {
   glm::vec3 v = n / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
   if (v.z < 0.0f)
-    v = glm::vec3((1.0f - std::abs(v.y)) * (v.x >= 0.0f ? 1.0f : -1.0f), (1.0f - std::abs(v.x)) * (v.y >= 0.0f ? 1.0f : -1.0f), v.z);
+    v = glm::vec3((1.0f - std::abs(v.y)) * (v.x >= 0.0f ? 1.0f : -1.0f),
+                  (1.0f - std::abs(v.x)) * (v.y >= 0.0f ? 1.0f : -1.0f), v.z);
   return glm::packSnorm2x16(glm::vec2(v.x, v.y));
 }
 
@@ -65,8 +66,10 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   std::vector<size_t> first_vertex, first_index;
   for (const scene::Mesh& mesh : scene.meshes) {
     if (mesh.submeshes.size() > kMaxSubmeshes)
-      throw gpu::Failure({ErrorKind::limit, "the mesh '" + mesh.name + "' has " + std::to_string(mesh.submeshes.size()) +
-                          " materials, the limit is " + std::to_string(kMaxSubmeshes) + ": split it", "mesh", mesh.name, std::to_string(kMaxSubmeshes)});
+      throw gpu::Failure({ErrorKind::limit,
+                          "the mesh '" + mesh.name + "' has " + std::to_string(mesh.submeshes.size()) +
+                              " materials, the limit is " + std::to_string(kMaxSubmeshes) + ": split it",
+                          "mesh", mesh.name, std::to_string(kMaxSubmeshes)});
     first_vertex.push_back(positions.size());
     first_index.push_back(indices.size());
     positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
@@ -85,7 +88,8 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
     const scene::Mesh& mesh = scene.meshes[m];
     const effects::MeshEmitters& mesh_emitters = emitters.meshes[m];
-    meshes.push_back({0, static_cast<uint32_t>(geometries.size()), static_cast<uint32_t>(mesh.submeshes.size()), mesh_emitters.first, mesh_emitters.count});
+    meshes.push_back({0, static_cast<uint32_t>(geometries.size()), static_cast<uint32_t>(mesh.submeshes.size()),
+                      mesh_emitters.first, mesh_emitters.count});
     emitter_power_.push_back(mesh_emitters.power);
     gpu::BlasInput blas{mesh.name, {}};
     std::vector<DrawGeometry> draws;
@@ -98,14 +102,16 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
       record.material = submesh.material;
       record.emitter_offset = mesh_emitters.count ? mesh_emitters.geometry_offset[g] : shared::kNoTexture;
       geometries.push_back(record);
-      blas.geometries.push_back({record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices, submesh.index_count / 3});
+      blas.geometries.push_back(
+          {record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices, submesh.index_count / 3});
       draws.push_back({record.positions, record.indices, submesh.index_count});
     }
     blas_inputs.push_back(std::move(blas));
     draws_.push_back(std::move(draws));
   }
   geometries_ = uploaded(device, commands, "the geometry table", geometries);
-  emitter_triangles_ = uploaded(device, commands, "the emissive triangles", emitters.triangles, gpu::MemoryCategory::path_tracing);
+  emitter_triangles_ =
+      uploaded(device, commands, "the emissive triangles", emitters.triangles, gpu::MemoryCategory::path_tracing);
   std::vector<shared::MaterialRecord> materials;
   for (const scene::Material& material : scene.materials) materials.push_back(recordOf(material, texture_slots));
   materials_ = uploaded(device, commands, "the material table", materials);
@@ -118,7 +124,8 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   (void)commands.finish();
 }
 
-std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene) {
+std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::Commands& commands,
+                                                     const scene::Scene& scene) {
   std::vector<uint32_t> slots;
   uint64_t in_flight = 0;
   commands.begin();
@@ -131,9 +138,11 @@ std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::C
       in_flight = 0;
     }
     const auto mips = static_cast<uint32_t>(std::bit_width(std::max(texture.width, texture.height)));
-    textures_.emplace_back(device, gpu::ImageDescription{"the texture " + texture.name, texture.width, texture.height, mips,
-                                                         texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                                                         VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    textures_.emplace_back(
+        device, gpu::ImageDescription{
+                    "the texture " + texture.name, texture.width, texture.height, mips,
+                    texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
+                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
     commands.uploadTexture(textures_.back(), std::as_bytes(std::span(texture.rgba)));
     slots.push_back(textures_.back().slot());
     in_flight += texture.rgba.size();

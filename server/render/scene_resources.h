@@ -1,5 +1,5 @@
-// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, one shared BLAS a mesh, emissive triangles.
-// Immutable after upload; what users change is in accel::InstanceTable.
+// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, one shared BLAS a mesh, emissive
+// triangles. Immutable after upload; what users change is in accel::InstanceTable.
 #pragma once
 
 #include <vector>
@@ -19,7 +19,8 @@ struct DrawGeometry {
 
 class SceneResources {
  public:
-  /// Uploads and builds; waits for the GPU. Throws gpu::Failure when memory runs out or a limit of the tables is passed.
+  /// Uploads and builds; waits for the GPU. Throws gpu::Failure when memory runs out or a limit of the tables is
+  /// passed.
   SceneResources(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
   VkDeviceAddress meshes() const { return meshes_.address(); }
@@ -28,7 +29,7 @@ class SceneResources {
   VkDeviceAddress emitterTriangles() const { return emitter_triangles_.address(); }
   uint64_t emitterBytes() const { return emitter_triangles_.size(); }
   uint64_t textureBytes() const { return texture_bytes_; }
-  const std::vector<float>& emitterPower() const { return emitter_power_; }  ///< by mesh
+  const std::vector<float>& emitterPower() const { return emitter_power_; }       ///< by mesh
   const std::vector<std::vector<DrawGeometry>>& draws() const { return draws_; }  ///< by mesh, by submesh
 
  private:

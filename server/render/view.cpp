@@ -21,9 +21,11 @@ glm::vec2 pixelPosition(uint64_t index) {
   return {fraction(0.5 + n * 0.7548776662466927), fraction(0.5 + n * 0.5698402909980532)};
 }
 
-/// A jump is a move farther than a fast flight makes in one tick, or a turn by more than 30 degrees: exposure adapts at once.
+/// A jump is a move farther than a fast flight makes in one tick, or a turn by more than 30 degrees: exposure adapts at
+/// once.
 bool isJump(const scene::Camera& from, const scene::Camera& to) {
-  return glm::distance(from.position, to.position) > 25.0f || glm::dot(glm::normalize(from.forward), glm::normalize(to.forward)) < 0.866f;
+  return glm::distance(from.position, to.position) > 25.0f ||
+         glm::dot(glm::normalize(from.forward), glm::normalize(to.forward)) < 0.866f;
 }
 
 constexpr float kAdaptation = 0.15f;  // share of the way to a new exposure, a tick
@@ -40,7 +42,8 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
     }
   }
   if (!lease)
-    lease.reset(new Lease{gpu::Buffer(*device_, {"a picture to read back", bytes_, gpu::MemoryCategory::transfer, gpu::Placement::readback})});
+    lease.reset(new Lease{gpu::Buffer(
+        *device_, {"a picture to read back", bytes_, gpu::MemoryCategory::transfer, gpu::Placement::readback})});
   // The deleter holds the pool, so a picture may outlive its view.
   return {lease.release(), [pool = shared_from_this()](Lease* returned) {
             const std::lock_guard lock(pool->mutex_);
@@ -48,7 +51,8 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
           }};
 }
 
-void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed, uint32_t ray_log_stride) {
+void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
+                 uint32_t ray_log_stride) {
   const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
   jumped_ = resized || isJump(camera_, camera);
   const bool goes_on = !resized && !scene_changed && same(camera_, camera) && continues(settings_, settings);
@@ -62,13 +66,16 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   const uint64_t texels = uint64_t{settings.width} * settings.height;
   const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;
   if (raster && (resized || new_primary || !depth)) {
-    depth = gpu::Image(*device_, {"depth", settings.width, settings.height, 1, VK_FORMAT_D32_SFLOAT, VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+    depth = gpu::Image(*device_, {"depth", settings.width, settings.height, 1, VK_FORMAT_D32_SFLOAT,
+                                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     commands.prepare(depth);
   }
   if (settings.keep_radiance && radiance_readback.size() < texels * 16)
-    radiance_readback = gpu::Buffer(*device_, {"radiance to read back", texels * 16, gpu::MemoryCategory::transfer, gpu::Placement::readback});
+    radiance_readback = gpu::Buffer(
+        *device_, {"radiance to read back", texels * 16, gpu::MemoryCategory::transfer, gpu::Placement::readback});
   const uint64_t log_bytes = settings.measure_bare_trace ? texels * ray_log_stride * sizeof(shared::RayLogEntry) : 0;
-  if (ray_log.size() < log_bytes) ray_log = gpu::Buffer(*device_, {"the ray log", log_bytes, gpu::MemoryCategory::transfer});
+  if (ray_log.size() < log_bytes)
+    ray_log = gpu::Buffer(*device_, {"the ray log", log_bytes, gpu::MemoryCategory::transfer});
   pixels_readback = pool_->take();
 }
 
@@ -76,7 +83,8 @@ void View::createTargets(gpu::Commands& commands) {
   const uint32_t w = settings_.width, h = settings_.height;
   const uint64_t texels = uint64_t{w} * h;
   const auto target = [&](const char* name, VkFormat format, VkImageUsageFlags usage, gpu::MemoryCategory category) {
-    gpu::Image image(*device_, {name, w, h, 1, format, usage | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, category});
+    gpu::Image image(*device_, {name, w, h, 1, format,
+                                usage | VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, category});
     commands.prepare(image);
     return image;
   };
@@ -88,7 +96,8 @@ void View::createTargets(gpu::Commands& commands) {
   constants = gpu::Buffer(*device_, {"frame constants", sizeof(shared::FrameConstants), raster});
   pixels = gpu::Buffer(*device_, {"the picture", texels * 4, raster});
   state = gpu::Buffer(*device_, {"view state", sizeof(shared::ViewState), raster});
-  state_readback = gpu::Buffer(*device_, {"view state to read back", sizeof(shared::ViewState), transfer, gpu::Placement::readback});
+  state_readback =
+      gpu::Buffer(*device_, {"view state to read back", sizeof(shared::ViewState), transfer, gpu::Placement::readback});
   depth = {};
   radiance_readback = {};
   ray_log = {};

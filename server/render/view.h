@@ -34,7 +34,8 @@ class View {
   explicit View(std::shared_ptr<gpu::Device> device) : device_(std::move(device)) {}
 
   /// Makes the targets fit, decides whether accumulation goes on, and starts a tick.
-  void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed, uint32_t ray_log_stride);
+  void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
+             uint32_t ray_log_stride);
 
   // ---- Targets (shaders/shared/frame.h says what each holds) ----
   gpu::Image visibility, depth, radiance, accumulation, path_info;
@@ -45,7 +46,9 @@ class View {
   const scene::Camera& camera() const { return camera_; }
   const ViewSettings& settings() const { return settings_; }
   /// The mean of several samples is shown rather than the one sample.
-  bool accumulating() const { return settings_.accumulate || settings_.samples > 1 || settings_.mode == Mode::reference; }
+  bool accumulating() const {
+    return settings_.accumulate || settings_.samples > 1 || settings_.mode == Mode::reference;
+  }
   const gpu::Image& shown() const { return accumulating() ? accumulation : radiance; }
 
   /// Push constants of the next sample of this tick.

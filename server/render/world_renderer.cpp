@@ -14,7 +14,9 @@ constexpr float kNearPlane = 0.05f;  // metres
 /// Passes that measure rather than make the picture.
 bool isMeasurement(const std::string& pass) { return pass == "log_rays" || pass == "bare_trace"; }
 
-bool usesRaster(const ViewSettings& settings) { return settings.mode == Mode::hybrid && settings.primary == Primary::raster; }
+bool usesRaster(const ViewSettings& settings) {
+  return settings.mode == Mode::hybrid && settings.primary == Primary::raster;
+}
 
 }  // namespace
 
@@ -55,7 +57,12 @@ void WorldRenderer::removeView(ViewHandle handle) {
 Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
   const std::lock_guard lock(mutex_);
   for (const ViewRequest& request : requests) {
-    if (!views_.contains(request.view)) return Error{ErrorKind::not_found, "no view " + std::to_string(request.view) + " in this world", "view", std::to_string(request.view), {}};
+    if (!views_.contains(request.view))
+      return Error{ErrorKind::not_found,
+                   "no view " + std::to_string(request.view) + " in this world",
+                   "view",
+                   std::to_string(request.view),
+                   {}};
     if (auto valid = check(request.camera); !valid) return valid.error();
     if (auto valid = check(request.settings); !valid) return valid.error();
   }
@@ -72,7 +79,8 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   work.reserve(requests.size());
   for (const ViewRequest& request : requests) {
     View& view = *views_.at(request.view);
-    view.begin(commands_, request.camera, request.settings, scene_changed, PathTrace::rayLogStride(request.settings.bounces));
+    view.begin(commands_, request.camera, request.settings, scene_changed,
+               PathTrace::rayLogStride(request.settings.bounces));
     work.push_back({view, static_cast<int>(work.size()), {}, {}});
     addViewPasses(graph, work.back());
   }
@@ -92,7 +100,8 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
     tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));
   });
   if (instances_.emittersDirty() && effects_.has(effects::Effect::emissive_triangles))
-    graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
+    graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}},
+              [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
   graph.add("assemble", Graph::kShared, {{&instances_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
             [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
   graph.add("tlas", Graph::kShared, {{&tlas_, gpu::use::build_read}, {&tlas_, gpu::use::build_write}},
@@ -104,7 +113,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   const ViewSettings& settings = view.settings();
   const ViewPass pass{graph, view, work.owner, &tlas_, &instances_};
 
-  graph.add("constants", work.owner, {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
+  graph.add("constants", work.owner,
+            {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
             [this, &view](gpu::Commands& commands) { uploadConstants(commands, view); });
 
   for (uint32_t i = 0; i < settings.samples; ++i) {
@@ -125,7 +135,10 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   const shared::SampleConstants last = view.finalConstants();
   if (settings.auto_exposure) passes_.exposure.add(pass, last);
   passes_.tonemap.add(pass, last);
-  graph.add("read_back", work.owner, {{&view.pixels, gpu::use::transfer_read}, {&view.state, gpu::use::transfer_read}, {&view.shown(), gpu::use::transfer_read}},
+  graph.add("read_back", work.owner,
+            {{&view.pixels, gpu::use::transfer_read},
+             {&view.state, gpu::use::transfer_read},
+             {&view.shown(), gpu::use::transfer_read}},
             [&view](gpu::Commands& commands) {
               commands.copy(view.pixels, view.pixels_readback->buffer, view.pixels.size());
               commands.copy(view.state, view.state_readback, sizeof(shared::ViewState));
@@ -161,7 +174,8 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.emitter_triangles = resources_.emitterTriangles();
   if (effects_.has(effects::Effect::emissive_triangles)) emitters_.describe(c);
 
-  // A disc of half angle a and radiance L gives the irradiance L pi sin^2 a. 1 - cos a = 2 sin^2(a / 2) keeps its digits.
+  // A disc of half angle a and radiance L gives the irradiance L pi sin^2 a. 1 - cos a = 2 sin^2(a / 2) keeps its
+  // digits.
   const scene::Sun& sun = environment_.sun;
   const double half_angle = 0.5 * static_cast<double>(sun.angular_diameter);
   c.sun_to = -glm::normalize(sun.direction);
@@ -191,7 +205,8 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   commands.upload(view.state, kCounters, zeros);
 }
 
-Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work, const world::ChangeSet& changes) {
+Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work,
+                                const world::ChangeSet& changes) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
   view.state_readback.invalidate();
@@ -209,7 +224,8 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
     if (isMeasurement(times[i].name)) continue;
     stats.gpu_ms += times[i].ms;
     // Several samples a tick repeat passes: one row each.
-    const auto row = std::find_if(stats.passes.begin(), stats.passes.end(), [&](const PassTime& p) { return p.name == times[i].name; });
+    const auto row = std::find_if(stats.passes.begin(), stats.passes.end(),
+                                  [&](const PassTime& p) { return p.name == times[i].name; });
     if (row != stats.passes.end()) row->ms += times[i].ms;
     else stats.passes.push_back({times[i].name, times[i].ms});
   }
@@ -223,7 +239,8 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.tlas_instances = static_cast<uint32_t>(instances_.order().size());
   stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
-  stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster), device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
+  stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster),
+                  device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
                   device_->memoryInUse(gpu::MemoryCategory::path_tracing)};
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));
@@ -235,7 +252,8 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
     Pixels pixels;
   };
   auto picture = std::make_shared<Picture>(Picture{std::move(view.pixels_readback), {}});
-  picture->pixels = {reinterpret_cast<const uint8_t*>(picture->lease->buffer.mapped()), settings.width, settings.height};
+  picture->pixels = {reinterpret_cast<const uint8_t*>(picture->lease->buffer.mapped()), settings.width,
+                     settings.height};
   frame.pixels = std::shared_ptr<const Pixels>(picture, &picture->pixels);
 
   if (settings.keep_radiance) {

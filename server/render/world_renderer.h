@@ -34,7 +34,8 @@ class WorldRenderer {
   void addWorldPasses(Graph& graph);
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view) const;
-  Frame finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work, const world::ChangeSet& changes);
+  Frame finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work,
+                   const world::ChangeSet& changes);
   std::vector<EffectCost> effectCosts(const std::vector<PassTime>& passes) const;
 
   std::shared_ptr<gpu::Device> device_;

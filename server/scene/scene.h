@@ -19,8 +19,16 @@ struct Aabb {
   glm::vec3 max{-std::numeric_limits<float>::infinity()};
 
   bool empty() const { return !(min.x <= max.x); }
-  void grow(const glm::vec3& p) { min = glm::min(min, p); max = glm::max(max, p); }
-  void grow(const Aabb& b) { if (!b.empty()) { grow(b.min); grow(b.max); } }
+  void grow(const glm::vec3& p) {
+    min = glm::min(min, p);
+    max = glm::max(max, p);
+  }
+  void grow(const Aabb& b) {
+    if (!b.empty()) {
+      grow(b.min);
+      grow(b.max);
+    }
+  }
   glm::vec3 centre() const { return 0.5f * (min + max); }
   glm::vec3 extent() const { return max - min; }
 };
@@ -40,16 +48,17 @@ struct Texture {
 /// glTF metallic-roughness. Texture fields index Scene::textures or are kNone.
 struct Material {
   std::string name;
-  glm::vec4 base_color{1.0f};     ///< linear, [0, 1]
-  float metallic = 0.0f;          ///< [0, 1]
-  float roughness = 1.0f;         ///< perceptual, [0, 1]; alpha = roughness^2
-  glm::vec3 emission{0.0f};       ///< radiance of both faces: emissiveFactor * emissiveStrength
+  glm::vec4 base_color{1.0f};  ///< linear, [0, 1]
+  float metallic = 0.0f;       ///< [0, 1]
+  float roughness = 1.0f;      ///< perceptual, [0, 1]; alpha = roughness^2
+  glm::vec3 emission{0.0f};    ///< radiance of both faces: emissiveFactor * emissiveStrength
   float normal_scale = 1.0f;
   uint32_t base_color_texture = kNone;
   uint32_t normal_texture = kNone;
   uint32_t metallic_roughness_texture = kNone;  ///< G roughness, B metallic
   uint32_t emissive_texture = kNone;
-  bool lambert = false;           ///< two-sided Lambert of base_color, no specular (the `lambert` convention of reference images)
+  bool lambert =
+      false;  ///< two-sided Lambert of base_color, no specular (the `lambert` convention of reference images)
 };
 
 /// A range of a mesh's triangles with one material. `first_index` is a multiple of 3.
@@ -79,7 +88,7 @@ struct Prefab {
   std::string name;      ///< unique in the scene, what clients say: "house_03", "tree_birch"
   std::string category;  ///< "house", "tree", "lamp", "square", "terrain", "model", ...
   uint32_t mesh = 0;
-  bool buildable = true; ///< users may build it (the terrain may not be built twice)
+  bool buildable = true;  ///< users may build it (the terrain may not be built twice)
 };
 
 /// A prefab at a place. Columns of `transform`: x, y, z axes and translation.
@@ -115,7 +124,7 @@ struct Camera {
 };
 
 struct NamedCamera {
-  std::string name;         ///< "tilted_city"
+  std::string name;  ///< "tilted_city"
   std::string description;
   Camera camera;
   Environment environment;  ///< the light in which this view is meant to be seen (sunset for city_at_sunset)
@@ -130,9 +139,9 @@ struct Scene {
   std::vector<Prefab> prefabs;
   std::vector<Placement> placements;  ///< the base scene
   Environment environment;
-  std::vector<NamedCamera> cameras;   ///< at least one
+  std::vector<NamedCamera> cameras;  ///< at least one
 
-  Aabb bounds() const;                ///< of all placements
+  Aabb bounds() const;                                 ///< of all placements
   uint32_t findPrefab(const std::string& name) const;  ///< index or kNone
 };
 

@@ -2,10 +2,6 @@
 #ifndef HELIO_RANDOM_GLSL
 #define HELIO_RANDOM_GLSL
 
-struct Random {
-  uvec4 state;
-};
-
 uvec4 pcg4d(uvec4 v) {
   v = v * 1664525u + 1013904223u;
   v.x += v.y * v.w;
@@ -20,14 +16,9 @@ uvec4 pcg4d(uvec4 v) {
   return v;
 }
 
-Random makeRandom(uvec2 pixel, uint sample_index) { return Random(uvec4(pixel, sample_index, 0u)); }
-
-// In [0, 1): 24 bits, so that 1 is never reached.
-vec4 next4(inout Random random) {
-  random.state.w++;
-  return vec4(pcg4d(random.state) >> 8) * (1.0 / 16777216.0);
+// Four numbers in [0, 1): 24 bits, so that 1 is never reached.
+vec4 randomAt(uvec2 pixel, uint sample_index, uint dimension) {
+  return vec4(pcg4d(uvec4(pixel, sample_index, dimension)) >> 8) * (1.0 / 16777216.0);
 }
-vec2 next2(inout Random random) { return next4(random).xy; }
-float next1(inout Random random) { return next4(random).x; }
 
 #endif

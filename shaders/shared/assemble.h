@@ -13,12 +13,12 @@ struct TlasInstance {
 };
 
 struct AssembleConstants {
-  uint64_t order;      // uint: slots in Morton order
+  uint64_t order;  // uint: slots in Morton order
   uint64_t instances;
   uint64_t meshes;
-  uint64_t output_;    // TlasInstance
-  uint count;          // entries of `order`
-  uint capacity;       // entries of `output_`: what lies behind `count` becomes null
+  uint64_t output_;  // TlasInstance
+  uint count;        // entries of `order`
+  uint capacity;     // entries of `output_`: what lies behind `count` becomes null
 };
 
 HELIO_SHARED_END

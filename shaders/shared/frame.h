@@ -12,9 +12,9 @@ struct FrameConstants {
   vec3 right;
   float aspect;
   vec3 up;
-  float near_plane;   // metres
+  float near_plane;  // metres
   vec3 forward;
-  float pixel_spread; // radians a pixel: the ray cone's opening [Akenine-Moeller 2019]
+  float pixel_spread;  // radians a pixel: the ray cone's opening [Akenine-Moeller 2019]
   uint width;
   uint height;
 
@@ -26,17 +26,17 @@ struct FrameConstants {
   uint64_t materials;
   uint64_t emitter_instances;
   uint64_t emitter_triangles;
-  uint64_t light_cells;     // LightCell: light_grid_size.x a row of z
-  vec2 light_grid_origin;   // metres, x and z
-  uvec2 light_grid_size;    // cells; 0: no grid
+  uint64_t light_cells;    // LightCell: light_grid_size.x a row of z
+  vec2 light_grid_origin;  // metres, x and z
+  uvec2 light_grid_size;   // cells; 0: no grid
   float light_cells_per_metre;
   uint emitter_instance_count;
   float emitter_weight_sum;
 
   // Sun and sky. `sun_to` points towards the sun.
   vec3 sun_to;
-  vec3 sun_radiance;       // of the disc: irradiance / (pi sin^2)
-  float sun_one_minus_cos; // of the disc's half angle
+  vec3 sun_radiance;        // of the disc: irradiance / (pi sin^2)
+  float sun_one_minus_cos;  // of the disc's half angle
   vec3 sky_zenith;
   vec3 sky_ground;
 
@@ -51,8 +51,8 @@ struct FrameConstants {
   uint accumulation;  // rgba32f: mean of the samples so far
   uint path_info;     // r32ui: rays and dropped samples of this tick (packPathInfo)
   uint64_t view_state;
-  uint64_t pixels;    // one RGBA8 word a pixel
-  uint64_t ray_log;   // RayLogEntry: ray_log_stride a pixel
+  uint64_t pixels;   // one RGBA8 word a pixel
+  uint64_t ray_log;  // RayLogEntry: ray_log_stride a pixel
   uint ray_log_stride;
 };
 
@@ -61,7 +61,7 @@ HELIO_CONSTANT kHistogramBins = 256u;
 
 // What a view keeps from tick to tick, and what the CPU reads back.
 struct ViewState {
-  float exposure;             // factor on radiance
+  float exposure;  // factor on radiance
   uint histogram[kHistogramBins];
   uint bounce_rays;
   uint shadow_rays;

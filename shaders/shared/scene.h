@@ -1,7 +1,7 @@
 // The scene on the GPU: tables of meshes, geometries, materials, instances and emitters.
 //
-// Contract: an instance's slot is its index in the instance table, its custom index in the TLAS, and what the visibility
-// image holds. `MeshRecord.first_geometry + gl_GeometryIndexEXT` is the geometry record of a hit.
+// Contract: an instance's slot is its index in the instance table, its custom index in the TLAS, and what the
+// visibility image holds. `MeshRecord.first_geometry + gl_GeometryIndexEXT` is the geometry record of a hit.
 #ifndef HELIO_SHARED_SCENE_H
 #define HELIO_SHARED_SCENE_H
 #include "shared/types.h"
@@ -30,22 +30,23 @@ struct GeometryRecord {
   uint64_t attributes;  // VertexAttributes a vertex
   uint64_t indices;     // uint, three a triangle
   uint material;
-  uint emitter_offset;  // of this geometry's first triangle among its mesh's emissive triangles; kNoTexture: not emissive
+  uint emitter_offset;  // of this geometry's first triangle among its mesh's emissive triangles; kNoTexture: not
+                        // emissive
 };
 
 struct MeshRecord {
-  uint64_t blas;           // device address
+  uint64_t blas;  // device address
   uint first_geometry;
   uint geometry_count;
-  uint first_emitter;      // in the table of emissive triangles
-  uint emitter_count;      // 0: nothing shines
+  uint first_emitter;  // in the table of emissive triangles
+  uint emitter_count;  // 0: nothing shines
 };
 
 struct MaterialRecord {
   vec4 base_color;
-  vec3 emission;       // W/(sr m^2)
+  vec3 emission;  // W/(sr m^2)
   float metallic;
-  float roughness;     // perceptual
+  float roughness;  // perceptual
   float normal_scale;
   uint base_color_texture;
   uint normal_texture;
@@ -58,7 +59,8 @@ struct MaterialRecord {
 struct InstanceRecord {
   vec4 rows[3];
   uint mesh;             // kNoMesh: a free slot
-  float emitter_weight;  // its power, up to a factor common to all; over FrameConstants.emitter_weight_sum: its probability
+  float emitter_weight;  // its power, up to a factor common to all; over FrameConstants.emitter_weight_sum: its
+                         // probability
 };
 
 // Entry of a table for Walker's alias method: take `index` itself with probability `keep`, else `alias`.
@@ -68,7 +70,8 @@ struct EmitterInstance {
   float keep;
 };
 
-// The emissive instances that matter most to one cell of the ground plane, by power over squared distance. `cdf` ends in 1.
+// The emissive instances that matter most to one cell of the ground plane, by power over squared distance. `cdf` ends
+// in 1.
 HELIO_CONSTANT kLightsPerCell = 12u;
 struct LightCell {
   uint count;
@@ -79,9 +82,9 @@ struct LightCell {
 
 // An emissive triangle of a mesh, chosen in proportion to its power among the mesh's.
 struct EmitterTriangle {
-  uint geometry;   // within the mesh
+  uint geometry;  // within the mesh
   uint primitive;
-  uint alias;      // within the mesh
+  uint alias;  // within the mesh
   float keep;
   float pmf;
 };

@@ -54,7 +54,8 @@ TEST(LightGrid, ListsTheLightsThatMatter) {
   std::mt19937 random(11);
   std::uniform_real_distribution<float> place(-300.0f, 300.0f);
   std::vector<PlacedLight> lights;
-  for (uint32_t i = 0; i < 500; ++i) lights.push_back({i, {place(random), 5.0f, place(random)}, 1.0f + static_cast<float>(i % 3)});
+  for (uint32_t i = 0; i < 500; ++i)
+    lights.push_back({i, {place(random), 5.0f, place(random)}, 1.0f + static_cast<float>(i % 3)});
   const LightGrid grid = makeLightGrid(lights);
   ASSERT_EQ(grid.cells.size(), size_t{grid.size.x} * grid.size.y);
   for (const PlacedLight& light : lights) {
@@ -67,7 +68,8 @@ TEST(LightGrid, ListsTheLightsThatMatter) {
     EXPECT_FLOAT_EQ(c.cdf[c.count - 1], 1.0f);
     for (uint32_t i = 1; i < c.count; ++i) EXPECT_GT(c.cdf[i], c.cdf[i - 1]);
     // A light in its own cell is left out only for kLightsPerCell others at least as near or strong.
-    EXPECT_TRUE(c.count == shared::kLightsPerCell || std::find(c.slots, c.slots + c.count, light.slot) != c.slots + c.count);
+    EXPECT_TRUE(c.count == shared::kLightsPerCell ||
+                std::find(c.slots, c.slots + c.count, light.slot) != c.slots + c.count);
   }
   EXPECT_TRUE(makeLightGrid({}).cells.empty());
 }

@@ -111,9 +111,7 @@ TEST_F(Gpu, AnUnknownShaderIsNamed) {
   try {
     const ComputePipeline pipeline(*device, "no/such.comp");
     FAIL();
-  } catch (const Failure& failure) {
-    EXPECT_NE(failure.error().message.find("no/such.comp"), std::string::npos);
-  }
+  } catch (const Failure& failure) { EXPECT_NE(failure.error().message.find("no/such.comp"), std::string::npos); }
 }
 
 TEST_F(Gpu, BindlessSlotsAreUsedAgain) {
@@ -144,7 +142,8 @@ TEST_F(Gpu, BuildsAnEmptyAndAFullTopLevel) {
   ASSERT_EQ(blases.size(), 1u);
   EXPECT_NE(blases[0].address(), 0u);
   std::vector<VkAccelerationStructureInstanceKHR> instances(2);  // the second stays a null reference
-  instances[0].transform.matrix[0][0] = instances[0].transform.matrix[1][1] = instances[0].transform.matrix[2][2] = 1.0f;
+  instances[0].transform.matrix[0][0] = instances[0].transform.matrix[1][1] = instances[0].transform.matrix[2][2] =
+      1.0f;
   instances[0].mask = 0xff;
   instances[0].accelerationStructureReference = blases[0].address();
   commands.upload<VkAccelerationStructureInstanceKHR>(instance_buffer, 0, instances);

@@ -6,7 +6,8 @@ constexpr size_t kLogRaysConstant = 32;  // its id in path_trace.rgen: ids below
 }
 
 gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::Specialisation& constants) {
-  return {raygen, {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"}, {{"path_trace/surface.rchit", ""}}, constants};
+  return {
+      raygen, {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"}, {{"path_trace/surface.rchit", ""}}, constants};
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bool log_rays) {
@@ -16,15 +17,21 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bo
   gpu::Specialisation constants = effects::specialisation(effects);
   constants.resize(kLogRaysConstant + 1);
   constants[kLogRaysConstant] = log_rays;
-  return variants_.emplace(key, gpu::RayTracingPipeline(device_, describeTrace("path_trace/path_trace.rgen", constants))).first->second;
+  return variants_
+      .emplace(key, gpu::RayTracingPipeline(device_, describeTrace("path_trace/path_trace.rgen", constants)))
+      .first->second;
 }
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
   const gpu::RayTracingPipeline& pipeline = variant(effects, false);
   pass.graph.add("path_trace", pass.owner,
-                 {{pass.tlas, gpu::use::trace}, {pass.instances, gpu::use::ray_read}, {&view.constants, gpu::use::ray_read},
-                  {&view.visibility, gpu::use::ray_read}, {&view.radiance, gpu::use::ray_write}, {&view.path_info, gpu::use::ray_write}},
+                 {{pass.tlas, gpu::use::trace},
+                  {pass.instances, gpu::use::ray_read},
+                  {&view.constants, gpu::use::ray_read},
+                  {&view.visibility, gpu::use::ray_read},
+                  {&view.radiance, gpu::use::ray_write},
+                  {&view.path_info, gpu::use::ray_write}},
                  [&pipeline, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline);
                    commands.push(sample);
@@ -36,8 +43,11 @@ void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& samp
   View& view = pass.view;
   const gpu::RayTracingPipeline& pipeline = variant(effects, true);
   pass.graph.add("log_rays", pass.owner,
-                 {{pass.tlas, gpu::use::trace}, {pass.instances, gpu::use::ray_read}, {&view.constants, gpu::use::ray_read},
-                  {&view.visibility, gpu::use::ray_read}, {&view.ray_log, gpu::use::ray_write}},
+                 {{pass.tlas, gpu::use::trace},
+                  {pass.instances, gpu::use::ray_read},
+                  {&view.constants, gpu::use::ray_read},
+                  {&view.visibility, gpu::use::ray_read},
+                  {&view.ray_log, gpu::use::ray_write}},
                  [&pipeline, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline);
                    commands.push(sample);

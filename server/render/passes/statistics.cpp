@@ -6,7 +6,10 @@ Statistics::Statistics(gpu::Device& device) : pipeline_(device, "statistics/stat
 
 void Statistics::add(const ViewPass& pass, const shared::SampleConstants& sample) const {
   View& view = pass.view;
-  pass.graph.add("statistics", pass.owner, {{&view.path_info, gpu::use::compute_read}, {&view.state, gpu::use::compute_write}, {&view.constants, gpu::use::compute_read}},
+  pass.graph.add("statistics", pass.owner,
+                 {{&view.path_info, gpu::use::compute_read},
+                  {&view.state, gpu::use::compute_write},
+                  {&view.constants, gpu::use::compute_read}},
                  [this, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline_);
                    commands.push(sample);
