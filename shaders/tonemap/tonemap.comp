@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Exposure, Khronos PBR Neutral tone mapping, sRGB, 8 bits.
+// Exposure, Khronos PBR Neutral tone mapping, sRGB, 8 bits with dither.
 #include "lib/bindless.glsl"
+#include "lib/random.glsl"
 #include "lib/tables.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -28,5 +29,7 @@ void main() {
   const float exposure = push.auto_exposure != 0u ? ViewStateRef(frame.view_state).state.exposure : push.exposure_bias;
   const vec3 radiance = imageLoad(images_rgba32f[push.source], ivec2(pixel)).rgb;
   const vec3 display = toSrgb(clamp(pbrNeutral(radiance * exposure), 0.0, 1.0));
-  PixelTable(frame.pixels).items[pixel.y * frame.width + pixel.x] = packUnorm4x8(vec4(display, 1.0));
+  // Half a step of noise, the same in every frame, hides the steps that 8 bits make of a smooth sky.
+  const float noise = randomAt(pixel, 0u, 0u).x - 0.5;
+  PixelTable(frame.pixels).items[pixel.y * frame.width + pixel.x] = packUnorm4x8(vec4(display + noise / 255.0, 1.0));
 }
