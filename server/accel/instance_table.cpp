@@ -90,7 +90,6 @@ void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
 }
 
 void InstanceTable::upload(gpu::Commands& commands) {
-  if (!dirty()) return;
   std::sort(dirty_slots_.begin(), dirty_slots_.end());
   const uint64_t record_bytes = capacityFor(records_.size()) * sizeof(shared::InstanceRecord);
   if (record_buffer_.size() < record_bytes) {

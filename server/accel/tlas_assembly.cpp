@@ -1,5 +1,7 @@
 #include "accel/tlas_assembly.h"
 
+#include <algorithm>
+
 #include "shared/assemble.h"
 
 namespace helio::accel {
@@ -10,7 +12,7 @@ static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInst
 uint32_t bucketAbove(uint32_t count) {
   uint32_t step = 64;
   while (step * 8 < count) step *= 2;
-  return (count + step - 1) / step * step;
+  return std::max(step, (count + step - 1) / step * step);
 }
 }  // namespace
 

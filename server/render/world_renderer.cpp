@@ -38,10 +38,33 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       emitters_(*device_),
       registry_(*scene_),
       environment_(scene_->environment) {
-  for (const scene::Placement& placement : scene_->placements) registry_.place(placement.prefab, +1);
-  passes_.path_trace.prepare(registry_.present(environment_));
-  passes_.path_trace.prepare(registry_.possible(environment_));
-  for (const scene::Placement& placement : scene_->placements) registry_.place(placement.prefab, -1);
+  warmUp();
+}
+
+// A driver compiles a pipeline when it is first dispatched (lavapipe: up to half a second a variant), so each is dispatched
+// once, over an empty world.
+void WorldRenderer::warmUp() {
+  effects::Registry placed(*scene_);
+  for (const scene::Placement& placement : scene_->placements) placed.place(placement.prefab, +1);
+  const effects::EffectSet present = placed.present(environment_), possible = placed.possible(environment_);
+  View view(device_);
+  for (const Primary primary : {Primary::raster, Primary::traced}) {
+    ViewSettings settings;
+    settings.width = settings.height = 16;
+    settings.primary = primary;
+    for (const effects::EffectSet& effects : {present, possible}) {
+      effects_ = effects;
+      commands_.begin();
+      Graph graph;
+      addWorldPasses(graph);
+      view.begin(commands_, scene_->cameras.front().camera, settings, true, PathTrace::rayLogStride(settings.bounces));
+      Work work{view, 0, {}, {}};
+      addViewPasses(graph, work);
+      graph.record(commands_);
+      commands_.submit();
+      (void)commands_.finish();
+    }
+  }
 }
 
 void WorldRenderer::addView(ViewHandle handle) {
@@ -94,7 +117,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 }
 
 void WorldRenderer::addWorldPasses(Graph& graph) {
-  if (!instances_.dirty()) return;
+  if (!instances_.dirty() && tlas_.address() != 0) return;
   graph.add("instances", Graph::kShared, {{&instances_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) {
     instances_.upload(commands);
     tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));

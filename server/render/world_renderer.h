@@ -19,7 +19,8 @@ namespace helio::render {
 /// Thread-safe: a tick, a view that comes and a view that goes wait for each other.
 class WorldRenderer {
  public:
-  /// Uploads the scene and compiles the shader variants that it could call for. Throws gpu::Failure.
+  /// Uploads the scene and warms up the shader variants for what is placed and for what could be built, so that the first
+  /// frame waits for no compiler. Throws gpu::Failure.
   WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes, scene::ScenePtr scene);
 
   void addView(ViewHandle handle);
@@ -31,6 +32,7 @@ class WorldRenderer {
 
  private:
   struct Work;  // what one view's passes need until the graph is recorded
+  void warmUp();
   void addWorldPasses(Graph& graph);
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view) const;

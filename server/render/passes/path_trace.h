@@ -16,9 +16,7 @@ class PathTrace {
  public:
   explicit PathTrace(gpu::Device& device) : device_(device) {}
 
-  /// Compiles the variant for `effects` unless it is there. Thread-safe; takes up to a second for a new one, so worlds
-  /// prepare what their prefabs could call for when they are loaded.
-  void prepare(effects::EffectSet effects, bool log_rays = false) { (void)variant(effects, log_rays); }
+  /// A variant that was never used takes up to a second to compile: worlds warm up what their prefabs could call for.
   void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
   /// Pass `log_rays`: traces the same paths again and only writes down their rays (for `bare_trace`).
   void addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
