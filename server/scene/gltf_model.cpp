@@ -70,6 +70,26 @@ bool writeNothing(std::string* error, const std::string&, const std::vector<unsi
   return false;
 }
 
+/// tinygltf 2.9 (Debian 13) asks for one callback more than 2.7 (Debian 12): a file's size.
+template <typename Callbacks>
+Callbacks callbacksFor(fs::path& folder) {
+  Callbacks callbacks{};
+  callbacks.FileExists = existsInFolder;
+  callbacks.ExpandFilePath = samePath;
+  callbacks.ReadWholeFile = readInFolder;
+  callbacks.WriteWholeFile = writeNothing;
+  if constexpr (requires { callbacks.GetFileSizeInBytes; }) {
+    callbacks.GetFileSizeInBytes = [](size_t* size, std::string* error, const std::string& path, void* user_data) {
+      std::error_code problem;
+      *size = existsInFolder(path, user_data) ? fs::file_size(path, problem) : 0;
+      if (problem) *error = problem.message();
+      return *size > 0 && !problem;
+    };
+  }
+  callbacks.user_data = &folder;
+  return callbacks;
+}
+
 bool keepEncoded(tinygltf::Image* image, const int index, std::string* error, std::string*, int, int,
                  const unsigned char* bytes, int size, void*) {
   if (size <= 0) {
@@ -142,7 +162,7 @@ Result<tinygltf::Model> loadModel(const fs::path& file) {
   fs::path folder = fs::canonical(file, problem).parent_path();
   if (problem) return invalid("", "", problem.message());
   tinygltf::TinyGLTF loader;
-  loader.SetFsCallbacks({existsInFolder, samePath, readInFolder, writeNothing, &folder});
+  loader.SetFsCallbacks(callbacksFor<tinygltf::FsCallbacks>(folder));
   loader.SetImageLoader(keepEncoded, nullptr);
 
   tinygltf::Model model;
