@@ -271,14 +271,17 @@ void Device::createDevice() {
   ray_tracing_.pNext = &acceleration;
   VkPhysicalDeviceDriverProperties driver{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES};
   driver.pNext = &ray_tracing_;
+  VkPhysicalDeviceMaintenance4Properties sizes{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES};
+  sizes.pNext = &driver;
   VkPhysicalDeviceProperties2 all{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2};
-  all.pNext = &driver;
+  all.pNext = &sizes;
   vkGetPhysicalDeviceProperties2(physical_, &all);
   name_ = all.properties.deviceName;
   driver_ = std::string(driver.driverName) + " " + driver.driverInfo;
   cpu_ = all.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
   timestamp_period_ = all.properties.limits.timestampPeriod;
   scratch_alignment_ = acceleration.minAccelerationStructureScratchOffsetAlignment;
+  max_buffer_size_ = sizes.maxBufferSize;
   ray_tracing_.pNext = nullptr;
 
   uint32_t family_count = 0;

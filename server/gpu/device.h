@@ -71,6 +71,7 @@ class Device {
   double timestampPeriodNs() const { return timestamp_period_; }
   const VkPhysicalDeviceRayTracingPipelinePropertiesKHR& rayTracing() const { return ray_tracing_; }
   uint32_t scratchAlignment() const { return scratch_alignment_; }
+  uint64_t maxBufferSize() const { return max_buffer_size_; }
 
   /// Submits and returns the timeline value that is reached when the work is done.
   uint64_t submit(VkCommandBuffer commands);
@@ -112,6 +113,7 @@ class Device {
   VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;
   VkPhysicalDeviceRayTracingPipelinePropertiesKHR ray_tracing_{};
   uint32_t scratch_alignment_ = 256;
+  uint64_t max_buffer_size_ = 0;
   double timestamp_period_ = 1.0;
   std::string name_;
   std::string driver_;

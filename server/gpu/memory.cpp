@@ -8,6 +8,13 @@ namespace helio::gpu {
 
 Buffer::Buffer(Device& device, const BufferDescription& description)
     : device_(&device), size_(std::max<uint64_t>(description.size, 16)), category_(description.category) {
+  const std::string asked_for = "a buffer of " + bytesInWords(size_) + " for " + description.name;
+  if (size_ > device.maxBufferSize())
+    throw Failure({ErrorKind::limit,
+                   asked_for + " is more than this device allows: " + bytesInWords(device.maxBufferSize()),
+                   {},
+                   {},
+                   std::to_string(device.maxBufferSize())});
   VkBufferCreateInfo info{VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO};
   info.size = size_;
   info.usage = description.usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
@@ -23,7 +30,7 @@ Buffer::Buffer(Device& device, const BufferDescription& description)
   VmaAllocationInfo allocated{};
   // The alignment serves shader tables, scratch and acceleration structures, whatever the device asks for.
   check(vmaCreateBufferWithAlignment(device.allocator(), &info, &placement, 256, &handle_, &allocation_, &allocated),
-        "a buffer of " + bytesInWords(size_) + " for " + description.name);
+        asked_for);
   vmaSetAllocationName(device.allocator(), allocation_, description.name.c_str());
   mapped_ = static_cast<std::byte*>(allocated.pMappedData);
   VkBufferDeviceAddressInfo address{VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO};

@@ -41,8 +41,8 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
   warmUp();
 }
 
-// A driver compiles a pipeline when it is first dispatched (lavapipe: up to half a second a variant), so each is dispatched
-// once, over an empty world.
+// A driver compiles a pipeline when it is first dispatched (lavapipe: up to half a second a variant), so each is
+// dispatched once, over an empty world.
 void WorldRenderer::warmUp() {
   effects::Registry placed(*scene_);
   for (const scene::Placement& placement : scene_->placements) placed.place(placement.prefab, +1);

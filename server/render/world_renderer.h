@@ -19,8 +19,8 @@ namespace helio::render {
 /// Thread-safe: a tick, a view that comes and a view that goes wait for each other.
 class WorldRenderer {
  public:
-  /// Uploads the scene and warms up the shader variants for what is placed and for what could be built, so that the first
-  /// frame waits for no compiler. Throws gpu::Failure.
+  /// Uploads the scene and warms up the shader variants for what is placed and for what could be built, so that the
+  /// first frame waits for no compiler. Throws gpu::Failure.
   WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes, scene::ScenePtr scene);
 
   void addView(ViewHandle handle);
