@@ -89,10 +89,12 @@ void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
   std::inplace_merge(order_.begin(), order_.begin() + middle, order_.end(), before);
 }
 
+void InstanceTable::forget() { upload_all_ = emitters_dirty_ = true; }
+
 void InstanceTable::upload(gpu::Commands& commands) {
   std::sort(dirty_slots_.begin(), dirty_slots_.end());
   const uint64_t record_bytes = capacityFor(records_.size()) * sizeof(shared::InstanceRecord);
-  if (record_buffer_.size() < record_bytes) {
+  if (upload_all_ || record_buffer_.size() < record_bytes) {
     if (record_buffer_) commands.retire(std::move(record_buffer_));
     record_buffer_ = gpu::Buffer(device_, {"the instance table", record_bytes, gpu::MemoryCategory::raster});
     commands.upload<shared::InstanceRecord>(record_buffer_, 0, records_);
@@ -114,7 +116,7 @@ void InstanceTable::upload(gpu::Commands& commands) {
   }
   commands.upload<uint32_t>(order_buffer_, 0, order_);
   dirty_slots_.clear();
-  emitters_dirty_ = false;
+  emitters_dirty_ = upload_all_ = false;
 }
 
 }  // namespace helio::accel

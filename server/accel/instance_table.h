@@ -33,7 +33,9 @@ class InstanceTable {
   /// removed.
   void apply(const world::ChangeSet& changes, const std::function<void(uint32_t prefab, int64_t count)>& on_change);
   /// Something changed since the last upload().
-  bool dirty() const { return !dirty_slots_.empty(); }
+  bool dirty() const { return upload_all_ || !dirty_slots_.empty(); }
+  /// After a tick that failed: the next upload() brings everything.
+  void forget();
   /// Something that shines was placed, moved or removed since the last upload().
   bool emittersDirty() const { return emitters_dirty_; }
   /// Records the copies of changed records and of the order (transfer writes); grows the buffers if need be.
@@ -59,6 +61,7 @@ class InstanceTable {
   std::vector<uint32_t> order_;  // slots by (key, slot)
   std::vector<uint32_t> dirty_slots_;
   bool emitters_dirty_ = false;
+  bool upload_all_ = false;
   gpu::Buffer record_buffer_;
   gpu::Buffer order_buffer_;
 };

@@ -20,11 +20,13 @@ TlasAssembly::TlasAssembly(gpu::Device& device) : device_(device), pipeline_(dev
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
   if (count <= capacity_ && capacity_ <= 2 * bucketAbove(count + count / 4)) return;
-  capacity_ = bucketAbove(count + count / 4);
-  if (instances_) commands.retire(std::move(instances_));
-  instances_ = gpu::Buffer(
-      device_, {"the TLAS instances", capacity_ * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
+  const uint32_t capacity = bucketAbove(count + count / 4);
+  gpu::Buffer instances(
+      device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
                 gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
+  if (instances_) commands.retire(std::move(instances_));
+  instances_ = std::move(instances);
+  capacity_ = capacity;
 }
 
 void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes) {

@@ -3,8 +3,6 @@
 namespace helio::gpu {
 namespace {
 
-uint64_t alignUp(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
-
 VkAccelerationStructureBuildSizesInfoKHR sizes(Device& device, const VkAccelerationStructureBuildGeometryInfoKHR& build,
                                                const uint32_t* counts) {
   VkAccelerationStructureBuildSizesInfoKHR result{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_SIZES_INFO_KHR};
@@ -114,11 +112,12 @@ void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) 
   build.geometryCount = 1;
   build.pGeometries = &geometry;
   if (!structure_ || count > capacity_) {
-    capacity_ = count;
     const auto size = sizes(device, build, &count);
-    structure_ = AccelerationStructure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
-                                       size.accelerationStructureSize);
+    AccelerationStructure structure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
+                                    size.accelerationStructureSize);
     scratch_ = Buffer(device, {"the scratch memory of the TLAS", size.buildScratchSize, MemoryCategory::ray_tracing});
+    structure_ = std::move(structure);
+    capacity_ = count;
   }
   build.dstAccelerationStructure = structure_.handle();
   build.scratchData.deviceAddress = scratch_.address();

@@ -24,7 +24,6 @@ class AccelerationStructure {
   explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
   VkAccelerationStructureKHR handle() const { return handle_; }
   VkDeviceAddress address() const { return address_; }  ///< what instances and shaders refer to
-  uint64_t size() const { return buffer_.size(); }
 
  private:
   void swap(AccelerationStructure& other) noexcept;
@@ -58,7 +57,6 @@ class Tlas {
   /// Grows storage and scratch to `count` instances if need be, then records the build.
   void build(Commands& commands, VkDeviceAddress instances, uint32_t count);
   VkDeviceAddress address() const { return structure_.address(); }
-  uint64_t bytes() const { return structure_.size() + scratch_.size(); }
 
  private:
   AccelerationStructure structure_;

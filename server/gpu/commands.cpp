@@ -8,7 +8,6 @@ namespace helio::gpu {
 namespace {
 constexpr uint64_t kChunkBytes = 4u << 20;
 
-uint64_t alignUp(uint64_t value, uint64_t alignment) { return (value + alignment - 1) / alignment * alignment; }
 }  // namespace
 
 bool writes(const Use& use) {
@@ -27,10 +26,6 @@ Commands::Commands(Device& device) : device_(device) {
   allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
   allocate.commandBufferCount = 1;
   check(vkAllocateCommandBuffers(device.handle(), &allocate, &handle_), "a command buffer");
-  VkQueryPoolCreateInfo queries{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
-  queries.queryType = VK_QUERY_TYPE_TIMESTAMP;
-  queries.queryCount = kMaxTimestamps;
-  check(vkCreateQueryPool(device.handle(), &queries, nullptr, &queries_), "a pool of timestamps");
 }
 
 Commands::~Commands() {
@@ -45,12 +40,10 @@ void Commands::begin() {
   VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(vkBeginCommandBuffer(handle_, &info), "recording a frame");
-  vkResetQueryPool(device_.handle(), queries_, 0, kMaxTimestamps);
   timers_.clear();
   timestamps_ = 0;
   for (Chunk& chunk : chunks_) chunk.used = 0;
   retired_.clear();
-  recording_ = true;
   const VkDescriptorSet set = device_.bindless().set();
   for (VkPipelineBindPoint point :
        {VK_PIPELINE_BIND_POINT_COMPUTE, VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR})
@@ -59,7 +52,6 @@ void Commands::begin() {
 
 uint64_t Commands::submit() {
   check(vkEndCommandBuffer(handle_), "recording a frame");
-  recording_ = false;
   submitted_ = device_.submit(handle_);
   return submitted_;
 }
@@ -85,13 +77,13 @@ Staging Commands::stage(uint64_t bytes, uint64_t alignment) {
     const uint64_t offset = alignUp(chunk.used, alignment);
     if (offset + bytes > chunk.buffer.size()) continue;
     chunk.used = offset + bytes;
-    return {chunk.buffer.mapped() + offset, chunk.buffer.handle(), offset, chunk.buffer.address() + offset};
+    return {chunk.buffer.mapped() + offset, chunk.buffer.handle(), offset};
   }
   BufferDescription description{"the upload ring", std::max(kChunkBytes, bytes), MemoryCategory::transfer,
                                 Placement::upload};
   Buffer buffer(device_, description);
   if (bytes > kChunkBytes) {  // one-off: not worth keeping
-    const Staging staging{buffer.mapped(), buffer.handle(), 0, buffer.address()};
+    const Staging staging{buffer.mapped(), buffer.handle(), 0};
     retire(std::move(buffer));
     return staging;
   }
@@ -121,12 +113,6 @@ void Commands::copy(const Image& from, const Buffer& to) {
 
 void Commands::fill(const Buffer& buffer, uint32_t value) {
   vkCmdFillBuffer(handle_, buffer.handle(), 0, VK_WHOLE_SIZE, value);
-}
-
-void Commands::clear(const Image& image) {
-  const VkClearColorValue zero{};
-  const VkImageSubresourceRange range{image.aspect(), 0, image.mips(), 0, 1};
-  vkCmdClearColorImage(handle_, image.handle(), VK_IMAGE_LAYOUT_GENERAL, &zero, 1, &range);
 }
 
 void Commands::uploadTexture(const Image& image, std::span<const std::byte> texels) {
@@ -195,10 +181,22 @@ void Commands::prepare(const Image& image) {
   vkCmdPipelineBarrier2(handle_, &dependency);
 }
 
+void Commands::reserveTimers(size_t passes) {
+  const auto wanted = static_cast<uint32_t>(2 * passes);
+  if (wanted > timestamp_capacity_) {
+    vkDestroyQueryPool(device_.handle(), queries_, nullptr);
+    queries_ = VK_NULL_HANDLE;
+    timestamp_capacity_ = 0;
+    VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
+    info.queryType = VK_QUERY_TYPE_TIMESTAMP;
+    info.queryCount = wanted;
+    check(vkCreateQueryPool(device_.handle(), &info, nullptr, &queries_), "a pool of timestamps");
+    timestamp_capacity_ = wanted;
+  }
+  if (wanted) vkResetQueryPool(device_.handle(), queries_, 0, wanted);
+}
+
 void Commands::beginTimer(const std::string& name) {
-  if (timestamps_ + 2 > kMaxTimestamps)
-    throw Failure(
-        {ErrorKind::limit, "more timed passes in a frame than " + std::to_string(kMaxTimestamps / 2), {}, {}, {}});
   timers_.push_back(name);
   writeTimestamp();
 }

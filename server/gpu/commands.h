@@ -58,7 +58,6 @@ struct Staging {
   std::byte* mapped = nullptr;
   VkBuffer buffer = VK_NULL_HANDLE;
   uint64_t offset = 0;
-  VkDeviceAddress address = 0;
 };
 
 struct TimedPass {
@@ -81,7 +80,6 @@ class Commands {
   uint64_t submit();
   /// Waits for what was submitted; returns the timed passes in order. Upload memory and retired buffers are free again.
   std::vector<TimedPass> finish();
-  bool recording() const { return recording_; }
 
   // ---- Transfer ----
   Staging stage(uint64_t bytes, uint64_t alignment = 16);
@@ -93,7 +91,6 @@ class Commands {
   void copy(const Buffer& from, const Buffer& to, uint64_t bytes, uint64_t from_offset = 0, uint64_t to_offset = 0);
   void copy(const Image& from, const Buffer& to);
   void fill(const Buffer& buffer, uint32_t value);
-  void clear(const Image& image);  ///< to zero
   /// Level 0 from tightly packed texels, the rest by halving.
   void uploadTexture(const Image& image, std::span<const std::byte> texels);
   /// Keeps a buffer that this frame still uses until the frame is done.
@@ -117,6 +114,8 @@ class Commands {
   void barrier(const Use& before, const Use& after);
   /// UNDEFINED → GENERAL, once after creation. Contents are undefined.
   void prepare(const Image& image);
+  /// Makes room for `passes` timers; before the first beginTimer() of a frame.
+  void reserveTimers(size_t passes);
   void beginTimer(const std::string& name);
   void endTimer();
 
@@ -126,7 +125,6 @@ class Commands {
     Buffer buffer;
     uint64_t used = 0;
   };
-  static constexpr uint32_t kMaxTimestamps = 512;
 
   Device& device_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
@@ -134,10 +132,10 @@ class Commands {
   VkQueryPool queries_ = VK_NULL_HANDLE;
   std::vector<std::string> timers_;
   uint32_t timestamps_ = 0;
+  uint32_t timestamp_capacity_ = 0;
   std::vector<Chunk> chunks_;
   std::vector<Buffer> retired_;
   uint64_t submitted_ = 0;
-  bool recording_ = false;
 };
 
 }  // namespace helio::gpu

@@ -165,9 +165,9 @@ Result<std::unique_ptr<Device>> Device::create(const DeviceOptions& options) {
   if (device->options_.select.empty())
     if (const char* variable = std::getenv("HELIOGRAPH_DEVICE")) device->options_.select = variable;
   device->options_.select = lower(device->options_.select);
-  if (auto instance = device->createInstance(); !instance) return instance.error();
-  if (auto chosen = device->choosePhysicalDevice(); !chosen) return chosen.error();
   try {
+    if (auto instance = device->createInstance(); !instance) return instance.error();
+    if (auto chosen = device->choosePhysicalDevice(); !chosen) return chosen.error();
     device->createDevice();
   } catch (const Failure& failure) { return failure.error(); }
   spdlog::info("Vulkan device: {} ({}){}", device->name_, device->driver_, device->cpu_ ? ", in software" : "");
@@ -421,7 +421,6 @@ VkBool32 Device::onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity, VkDe
   }
   ++device->validation_errors_;
   spdlog::error("validation: {}", data->pMessage);
-  if (device->options_.on_validation_error) device->options_.on_validation_error(data->pMessage);
   return VK_FALSE;
 }
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -17,11 +16,11 @@ namespace helio::gpu {
 
 struct DeviceOptions {
   std::string select;       ///< "cpu", "gpu", part of a name, or "" (HELIOGRAPH_DEVICE, then the best with ray tracing)
-  bool validation = false;  ///< Khronos validation layer with synchronisation checks; missing layer = error
-  std::function<void(const std::string&)> on_validation_error;  ///< called on any thread; default: logged
+  bool validation = false;  ///< Khronos validation layer with synchronisation checks, errors are logged and counted;
+                            ///< missing layer = error
 };
 
-/// Two tables of images that every shader sees as set 0 (shaders/shared/bindless.glsl). Slots are handed out and
+/// Two tables of images that every shader sees as set 0 (shaders/lib/bindless.glsl). Slots are handed out and
 /// returned by Image; entries that no shader touches may be unset.
 class Bindless {
  public:

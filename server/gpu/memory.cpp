@@ -6,8 +6,11 @@
 
 namespace helio::gpu {
 
-Buffer::Buffer(Device& device, const BufferDescription& description)
-    : device_(&device), size_(std::max<uint64_t>(description.size, 16)), category_(description.category) {
+// Both constructors delegate, so that the destructor tidies up when they throw half way.
+Buffer::Buffer(Device& device, const BufferDescription& description) : Buffer() {
+  device_ = &device;
+  size_ = std::max<uint64_t>(description.size, 16);
+  category_ = description.category;
   const std::string asked_for = "a buffer of " + bytesInWords(size_) + " for " + description.name;
   if (size_ > device.maxBufferSize())
     throw Failure({ErrorKind::limit,
@@ -23,6 +26,8 @@ Buffer::Buffer(Device& device, const BufferDescription& description)
   placement.usage = VMA_MEMORY_USAGE_AUTO_PREFER_DEVICE;
   if (description.placement != Placement::device) {
     placement.usage = VMA_MEMORY_USAGE_AUTO_PREFER_HOST;
+    // Uploads are written without a flush; what is read back is invalidated first.
+    if (description.placement == Placement::upload) placement.requiredFlags = VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     placement.flags = VMA_ALLOCATION_CREATE_MAPPED_BIT | (description.placement == Placement::upload
                                                               ? VMA_ALLOCATION_CREATE_HOST_ACCESS_SEQUENTIAL_WRITE_BIT
                                                               : VMA_ALLOCATION_CREATE_HOST_ACCESS_RANDOM_BIT);
@@ -59,7 +64,9 @@ void Buffer::swap(Buffer& other) noexcept {
   std::swap(category_, other.category_);
 }
 
-Image::Image(Device& device, const ImageDescription& description) : device_(&device), description_(description) {
+Image::Image(Device& device, const ImageDescription& description) : Image() {
+  device_ = &device;
+  description_ = description;
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};
   info.imageType = VK_IMAGE_TYPE_2D;
   info.format = description.format;
@@ -91,8 +98,7 @@ Image::Image(Device& device, const ImageDescription& description) : device_(&dev
 
 Image::~Image() {
   if (!handle_) return;
-  if (description_.usage & (VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT))
-    device_->bindless().remove(slot_, (description_.usage & VK_IMAGE_USAGE_STORAGE_BIT) != 0);
+  if (slot_ != kNoSlot) device_->bindless().remove(slot_, (description_.usage & VK_IMAGE_USAGE_STORAGE_BIT) != 0);
   vkDestroyImageView(device_->handle(), view_, nullptr);
   vmaDestroyImage(device_->allocator(), handle_, allocation_);
   device_->account(description_.category, -static_cast<int64_t>(size_));

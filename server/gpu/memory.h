@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "gpu/vulkan.h"
@@ -10,6 +11,12 @@
 namespace helio::gpu {
 
 class Device;
+
+/// The next multiple of `alignment` (> 0).
+template <typename T>
+constexpr T alignUp(T value, std::type_identity_t<T> alignment) {
+  return (value + alignment - 1) / alignment * alignment;
+}
 
 /// What memory is needed for [Kelling §4.3].
 enum class MemoryCategory {
@@ -92,7 +99,6 @@ class Image {
   explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
   VkImage handle() const { return handle_; }
   VkImageView view() const { return view_; }
-  VkFormat format() const { return description_.format; }
   uint32_t width() const { return description_.width; }
   uint32_t height() const { return description_.height; }
   uint32_t mips() const { return description_.mips; }
@@ -108,7 +114,8 @@ class Image {
   VkImageView view_ = VK_NULL_HANDLE;
   VmaAllocation allocation_ = nullptr;
   uint64_t size_ = 0;
-  uint32_t slot_ = 0;
+  static constexpr uint32_t kNoSlot = 0xffffffffu;
+  uint32_t slot_ = kNoSlot;
 };
 
 }  // namespace helio::gpu

@@ -51,8 +51,6 @@ VkPipelineShaderStageCreateInfo stage(VkShaderStageFlagBits bit, const Module& m
   return info;
 }
 
-uint32_t alignUp(uint32_t value, uint32_t alignment) { return (value + alignment - 1) / alignment * alignment; }
-
 }  // namespace
 
 Pipeline::~Pipeline() {

@@ -25,6 +25,7 @@ void Graph::add(std::string name, int owner, std::vector<Access> accesses, std::
 void Graph::record(gpu::Commands& commands) const {
   // What the frame before left is visible to every pass of this one.
   commands.barrier(gpu::use::everything, gpu::use::everything);
+  commands.reserveTimers(passes_.size());
   std::unordered_map<Resource, History> histories;
   for (const Pass& pass : passes_) {
     gpu::Use before, after;

@@ -1,7 +1,5 @@
 #include "render/renderer.h"
 
-#include <spdlog/spdlog.h>
-
 #include <atomic>
 #include <map>
 #include <shared_mutex>
@@ -12,7 +10,8 @@
 namespace helio::render {
 namespace {
 
-/// Runs `work`; what gpu/ throws becomes an Error, except a lost device: that ends the process (crash-only).
+/// Runs `work`; what gpu/ throws becomes an Error. A lost device is one of kind `internal`, which ends the process
+/// (crash-only) where it arrives.
 template <typename Work>
 auto guarded(Work&& work) -> decltype(work()) {
   try {

@@ -56,7 +56,7 @@ struct Rays {
   uint64_t total() const { return primary + bounce + shadow + retrace; }
 };
 
-/// GPU memory by the thesis's categories (§4.3), bytes.
+/// GPU memory by the thesis's categories (§4.3), bytes: of the whole device, all its worlds together.
 struct MemoryUse {
   uint64_t raster = 0;        ///< needed by rasterisation too: meshes, textures, materials, common targets
   uint64_t ray_tracing = 0;   ///< inherent to ray tracing: acceleration structures, scratch, instance buffers
@@ -129,8 +129,7 @@ Result<void> check(const ViewSettings& settings);
 struct RendererOptions {
   std::string
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
-  bool validation =
-      false;  ///< Khronos validation layer; a message of severity error ends the process through the handler
+  bool validation = false;         ///< Khronos validation layer: errors are logged and counted
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
 };
 

@@ -12,7 +12,7 @@ namespace helio::render {
 namespace {
 
 constexpr uint32_t kMaxSubmeshes = 256;  // a geometry index has 8 bits in the visibility image
-constexpr uint32_t kMaxInFlightTexels = 64u << 20;
+constexpr uint32_t kMaxInFlightBytes = 64u << 20;
 
 /// Octahedral snorm16 pair [Cigolle et al. 2014].
 uint32_t octahedral(const glm::vec3& n) {
@@ -131,7 +131,7 @@ std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::C
   commands.begin();
   for (const scene::Texture& texture : scene.textures) {
     // Staging memory holds a few textures at a time.
-    if (in_flight > kMaxInFlightTexels) {
+    if (in_flight > kMaxInFlightBytes) {
       commands.submit();
       (void)commands.finish();
       commands.begin();

@@ -11,7 +11,8 @@ bool same(const scene::Camera& a, const scene::Camera& b) {
 
 /// What was accumulated under `a` may go on under `b`.
 bool continues(const ViewSettings& a, const ViewSettings& b) {
-  return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette;
+  return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette &&
+         a.accumulate == b.accumulate;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
@@ -57,11 +58,14 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   jumped_ = resized || isJump(camera_, camera);
   const bool goes_on = !resized && !scene_changed && same(camera_, camera) && continues(settings_, settings);
   const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
+  const bool was_accumulating = accumulating();
   camera_ = camera;
   settings_ = settings;
   if (resized) createTargets(commands);
-  const bool keeps = settings.accumulate || settings.mode == Mode::reference;
-  if (!goes_on || !keeps) accumulated_ = 0;
+  still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
+  const bool keeps = settings.mode == Mode::reference || settings.accumulate;
+  if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;
+  tick_jitter_ = accumulating() ? pixelPosition(accumulated_) : glm::vec2(0.5f);
 
   const uint64_t texels = uint64_t{settings.width} * settings.height;
   const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;
@@ -80,6 +84,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
 }
 
 void View::createTargets(gpu::Commands& commands) {
+  forget();  // should an allocation below fail, the next tick begins here again
   const uint32_t w = settings_.width, h = settings_.height;
   const uint64_t texels = uint64_t{w} * h;
   const auto target = [&](const char* name, VkFormat format, VkImageUsageFlags usage, gpu::MemoryCategory category) {
@@ -112,10 +117,10 @@ shared::SampleConstants View::nextSample() {
   // A reference image is a pure function of its inputs: its seeds count from the start of accumulation.
   const bool reference = settings_.mode == Mode::reference;
   sample.sample_index = static_cast<uint32_t>(reference ? accumulated_ : samples_drawn_);
-  // A moving picture is sampled at the pixel's centre, a still one all over the pixel.
-  const bool rerastered = settings_.primary == Primary::traced || reference;
-  const bool anywhere = accumulating() && (rerastered || settings_.samples == 1);
-  sample.jitter = anywhere ? pixelPosition(accumulated_) : glm::vec2(0.5f);
+  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. Rasterised hits serve a whole
+  // tick.
+  const bool own_hits = settings_.primary == Primary::traced || reference;
+  sample.jitter = accumulating() && own_hits ? pixelPosition(accumulated_) : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;
   return sample;

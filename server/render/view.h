@@ -2,7 +2,7 @@
 #pragma once
 
 #include <memory>
-#include <optional>
+#include <mutex>
 
 #include "gpu/commands.h"
 #include "gpu/memory.h"
@@ -45,10 +45,10 @@ class View {
 
   const scene::Camera& camera() const { return camera_; }
   const ViewSettings& settings() const { return settings_; }
-  /// The mean of several samples is shown rather than the one sample.
-  bool accumulating() const {
-    return settings_.accumulate || settings_.samples > 1 || settings_.mode == Mode::reference;
-  }
+  /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
+  bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }
+  /// After a tick that failed: everything is made anew at the next.
+  void forget() { pixels = {}; }
   const gpu::Image& shown() const { return accumulating() ? accumulation : radiance; }
 
   /// Push constants of the next sample of this tick.
@@ -70,6 +70,8 @@ class View {
   uint64_t samples_drawn_ = 0;  // since the view was made: live seeds never repeat
   uint32_t accumulated_ = 0;
   float last_exposure_ = 0.0f;
+  glm::vec2 tick_jitter_{0.5f};
+  bool still_ = false;  // live, accumulate is on, and nothing has changed since the last tick
   bool jumped_ = true;
 };
 

@@ -95,6 +95,18 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   environment_ = changes.environment;
   effects_ = registry_.present(environment_);
 
+  try {
+    return render(changes, requests, scene_changed);
+  } catch (const gpu::Failure&) {
+    // What was recorded never ran: the next tick brings all of it again.
+    instances_.forget();
+    for (const auto& [handle, view] : views_) view->forget();
+    throw;
+  }
+}
+
+std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
+                                         bool scene_changed) {
   commands_.begin();
   Graph graph;
   addWorldPasses(graph);

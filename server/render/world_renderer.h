@@ -33,6 +33,7 @@ class WorldRenderer {
  private:
   struct Work;  // what one view's passes need until the graph is recorded
   void warmUp();
+  std::vector<Frame> render(const world::ChangeSet& changes, std::span<const ViewRequest> requests, bool scene_changed);
   void addWorldPasses(Graph& graph);
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view) const;

@@ -13,23 +13,22 @@ struct EmitterSample {
   float pdf_area;   // per square metre; 0: no sample
 };
 
-// As seen from `p`; `select` in [0, 1)^2 chooses the instance, `u` in [0, 1)^3 the triangle and the point.
-EmitterSample sampleEmitter(vec3 p, vec2 select, vec3 u) {
+// As seen from `p`; `select` in [0, 1)^3 chooses the instance, `u` in [0, 1)^4 the triangle and the point.
+EmitterSample sampleEmitter(vec3 p, vec3 select, vec4 u) {
   EmitterSample s;
   s.pdf_area = 0.0;
   const uint slot = selectEmitter(p, select);
   const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
-  const float k = u.x * float(mesh.emitter_count);
-  const uint k_index = min(uint(k), mesh.emitter_count - 1);
-  EmitterTriangle triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + k_index];
-  if (k - float(k_index) >= triangle.keep)
+  const uint k = min(uint(u.x * float(mesh.emitter_count)), mesh.emitter_count - 1);
+  EmitterTriangle triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + k];
+  if (u.y >= triangle.keep)
     triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + triangle.alias];
 
   // Choose a point: uniform barycentrics by folding the unit square.
   const Triangle t = loadTriangle(instance, mesh.first_geometry + triangle.geometry, triangle.primitive);
-  const float root = sqrt(u.y);
-  const vec3 w = vec3(1.0 - root, root * (1.0 - u.z), root * u.z);
+  const float root = sqrt(u.z);
+  const vec3 w = vec3(1.0 - root, root * (1.0 - u.w), root * u.w);
   s.position = t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
   s.reach = reachOf(t);
   const vec3 n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);

@@ -36,8 +36,8 @@ float emitterProbability(vec3 p, uint slot, float weight) {
   return mix(local, global, kGlobalShare);
 }
 
-// Chooses an instance; u in [0, 1)^2.
-uint selectEmitter(vec3 p, vec2 u) {
+// Chooses an instance; u in [0, 1)^3.
+uint selectEmitter(vec3 p, vec3 u) {
   const uint index = lightCellOf(p);
   LightCellTable cells = LightCellTable(frame.light_cells);
   const uint count = index == kNothing ? 0u : cells.items[index].count;
@@ -46,11 +46,10 @@ uint selectEmitter(vec3 p, vec2 u) {
     while (i + 1u < count && u.y >= cells.items[index].cdf[i]) ++i;
     return cells.items[index].slots[i];
   }
-  // By the alias method: the fraction left of u.y decides between an entry and its alias.
-  const float scaled = u.y * float(frame.emitter_instance_count);
-  const uint entry = min(uint(scaled), frame.emitter_instance_count - 1u);
+  // By the alias method: an entry, and a coin that decides between it and its alias.
+  const uint entry = min(uint(u.y * float(frame.emitter_instance_count)), frame.emitter_instance_count - 1u);
   const EmitterInstance chosen = EmitterInstanceTable(frame.emitter_instances).items[entry];
-  return scaled - float(entry) < chosen.keep ? chosen.slot : EmitterInstanceTable(frame.emitter_instances).items[chosen.alias].slot;
+  return u.z < chosen.keep ? chosen.slot : EmitterInstanceTable(frame.emitter_instances).items[chosen.alias].slot;
 }
 
 #endif

@@ -117,8 +117,8 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
       metallic *= mr.b;
     }
     if (kEmissiveTriangles && material.emissive_texture != kNoTexture)
-      s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], uv,
-                               lodOf(material.emissive_texture, uv_per_world, cone_width, cos_theta)).rgb;
+      // The finest level, as light sampling reads it: both must see the same emitter, or their weights do not add up to 1.
+      s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], uv, 0.0).rgb;
     if (kNormalMaps && material.normal_texture != kNoTexture) {
       vec3 tangent = vectorToWorld(instance, octahedral(a0.tangent & ~1u) * w.x + octahedral(a1.tangent & ~1u) * w.y + octahedral(a2.tangent & ~1u) * w.z);
       tangent -= normal * dot(normal, tangent);

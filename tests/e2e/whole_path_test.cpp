@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "lib/camera.h"
 #include "lib/viewer_session.h"
@@ -17,7 +18,9 @@ class WholePath : public testing::Test {
  protected:
   void SetUp() override {
     render::RendererOptions options;
-    options.validation = options.strict_validation = true;
+    options.device = std::getenv("HELIOGRAPH_DEVICE") ? "" : "cpu";
+    options.strict_validation =
+        std::getenv("HELIOGRAPH_TEST_WITHOUT_VALIDATION") == nullptr;  // the bundle has no layers
     auto renderer = render::makeRenderer(options);
     ASSERT_TRUE(renderer) << renderer.error().message;
     renderer_ = std::move(*renderer);

@@ -28,7 +28,7 @@ class Gpu : public testing::Test {
 };
 
 TEST(DeviceChoice, AMissingDeviceIsAnErrorThatListsTheOnesThere) {
-  const auto device = Device::create({"no such device 9000", false, {}});
+  const auto device = Device::create({"no such device 9000", false});
   ASSERT_FALSE(device.ok());
   EXPECT_EQ(device.error().kind, ErrorKind::not_found);
   EXPECT_EQ(device.error().value, "no such device 9000");
@@ -92,6 +92,7 @@ TEST_F(Gpu, TimersNameTheirPassesInOrder) {
   const Buffer buffer(*device, {"zeros", 64 << 20});
   for (int frame = 0; frame < 2; ++frame) {
     commands.begin();
+    commands.reserveTimers(2);
     for (const char* name : {"first", "second"}) {
       commands.beginTimer(name);
       commands.fill(buffer, 0);

@@ -131,10 +131,15 @@ TEST(Analytic, LampAboveAPlane) {
   // A horizontal square of 0.2 m at 2 m: L = albedo / pi * Le * A cos cos / d^2 in the middle.
   b.place(b.prefab("lamp", quad(0.2f), b.material(lambert(glm::vec3(0.0f), glm::vec3(100.0f)))), at({0, 2, 0}));
   Stage stage(b.build());
-  render::ViewSettings settings = referenceSettings(32, 32);
   const float expected = 0.5f / kPi * 100.0f * 0.04f / 4.0f;
-  const glm::vec3 seen = mean(stage.accumulate(lookAt({1.5f, 1.0f, 0}, {0, 0, 0}, 0.02f), settings, 64));
-  EXPECT_NEAR(seen.x, expected, 0.02f * expected);
+  for (const Integrator& integrator : kIntegrators)
+    for (const bool roulette :
+         {false, true}) {  // roulette also decides which faint light is sampled, and must not show
+      render::ViewSettings settings = settingsOf(integrator);
+      settings.roulette = roulette;
+      const glm::vec3 seen = mean(stage.accumulate(lookAt({1.5f, 1.0f, 0}, {0, 0, 0}, 0.02f), settings, 64));
+      EXPECT_NEAR(seen.x, expected, 0.02f * expected) << integrator.name << (roulette ? ", roulette" : "");
+    }
 }
 
 // Radiance does not depend on where in the world the scene stands: 8 km out it is the same within noise.

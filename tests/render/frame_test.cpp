@@ -126,6 +126,33 @@ TEST(Frame, EditsAreSeen) {
   EXPECT_LT(mean(stage.accumulate(kCamera, settings, 8)).x, mean(bare).x);
 }
 
+TEST(Frame, OnlyAStillPictureIsAveraged) {
+  Stage stage(stillLife());
+  render::ViewSettings settings = live(Primary::raster);
+  settings.accumulate = true;
+  EXPECT_FALSE(recorded(stage.tick(kCamera, settings), "accumulate"));
+  EXPECT_FALSE(recorded(stage.tick(lookAt({0.6f, 1.6f, 4.0f}, {0, 0.5f, 0}), settings), "accumulate"));
+  const scene::Camera still = lookAt({0.7f, 1.6f, 4.0f}, {0, 0.5f, 0});
+  (void)stage.tick(still, settings);
+  for (uint32_t samples = 1; samples <= 3; ++samples) {
+    const render::Frame frame = stage.tick(still, settings);
+    EXPECT_TRUE(recorded(frame, "accumulate"));
+    EXPECT_EQ(frame.stats.accumulated, samples);
+  }
+  stage.edit({world::Destroy{{2}}});
+  EXPECT_FALSE(recorded(stage.tick(still, settings), "accumulate")) << "the world did not stand still";
+}
+
+TEST(Frame, AsManySamplesATickAsAreAllowed) {
+  Stage stage(stillLife());
+  render::ViewSettings settings = live(Primary::traced);
+  settings.width = settings.height = 16;
+  settings.samples = 64;
+  const render::Frame frame = stage.tick(kCamera, settings);
+  EXPECT_EQ(frame.stats.accumulated, 64u);
+  EXPECT_EQ(frame.stats.rays.primary, 64u * 256u);
+}
+
 TEST(Frame, AnEmptyWorldShowsTheSky) {
   Stage stage(stillLife());
   std::vector<world::InstanceId> all;

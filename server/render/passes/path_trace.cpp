@@ -11,15 +11,18 @@ gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::S
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bool log_rays) {
-  const std::lock_guard lock(mutex_);
   const std::pair key{effects.bits, log_rays};
-  if (const auto found = variants_.find(key); found != variants_.end()) return found->second;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = variants_.find(key); found != variants_.end()) return found->second;
+  }
+  // Compile without the lock, so that no other world waits; should two do it at once, the first stays.
   gpu::Specialisation constants = effects::specialisation(effects);
   constants.resize(kLogRaysConstant + 1);
   constants[kLogRaysConstant] = log_rays;
-  return variants_
-      .emplace(key, gpu::RayTracingPipeline(device_, describeTrace("path_trace/path_trace.rgen", constants)))
-      .first->second;
+  gpu::RayTracingPipeline pipeline(device_, describeTrace("path_trace/path_trace.rgen", constants));
+  const std::lock_guard lock(mutex_);
+  return variants_.emplace(key, std::move(pipeline)).first->second;
 }
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
