@@ -124,6 +124,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   const std::vector<gpu::TimedPass> times = commands_.finish();
 
   std::vector<Frame> frames;
+  frames.reserve(work.size());
   for (const Work& w : work) frames.push_back(finishView(graph, times, w, changes));
   return frames;
 }
