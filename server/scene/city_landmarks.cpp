@@ -70,7 +70,7 @@ Mesh church(const Palette& p) {
   stringCourse(b, trim, 7.0f, 7.0f, 21.8f, 0.5f, 0.35f);
   b.prism(p.copper, {0.0f, 22.3f, 0.0f}, 4.6f, 1.6f, 4.5f, 8, true);
   b.prism(p.copper, {0.0f, 26.8f, 0.0f}, 1.6f, 0.0f, 9.0f, 8);
-  b.blob(p.gold, {0.0f, 35.9f, 0.0f}, vec3(0.35f), 0, 0.0f, 1);
+  b.blob(p.gold, {{0.0f, 35.9f, 0.0f}, vec3(0.35f), 0, 0.0f, 1});
   b.box(p.ashlar[1], {-2.0f, -kFoundation, 3.4f}, {2.0f, 0.33f, 4.6f}, kNoBottom);
   return b.build();
 }
@@ -116,7 +116,7 @@ Mesh townHall(const Palette& p) {
   b.prism(p.copper, {0.0f, 23.25f, 0.0f}, 4.1f, 2.2f, 2.6f, 4, true);
   b.prism(p.copper, {0.0f, 25.85f, 0.0f}, 1.9f, 1.7f, 2.2f, 8);
   b.prism(p.copper, {0.0f, 28.05f, 0.0f}, 2.0f, 0.0f, 5.0f, 8, true);
-  b.blob(p.gold, {0.0f, 33.1f, 0.0f}, vec3(0.3f), 0, 0.0f, 2);
+  b.blob(p.gold, {{0.0f, 33.1f, 0.0f}, vec3(0.3f), 0, 0.0f, 2});
   return b.build();
 }
 

@@ -27,15 +27,18 @@ Mesh broadleaf(const Palette& p, const BroadleafShape& s) {
   Random random(s.seed);
   const float low = s.clear * s.height, middle = 0.5f * (low + s.height), half = 0.5f * (s.height - low);
   b.frustum(s.bark, {0.0f, -0.6f, 0.0f}, s.trunk * 1.25f, s.trunk * 0.6f, 0.6f + middle, 6);
-  b.blob(s.foliage, {0.0f, middle, 0.0f}, {0.78f * s.crown, half, 0.78f * s.crown}, 1, 0.13f, s.seed);
+  std::vector<Blob> crown{{{0.0f, middle, 0.0f}, {0.78f * s.crown, half, 0.78f * s.crown}, 1, 0.13f, s.seed}};
   for (int i = 0; i < s.clumps; ++i) {
     const glm::dvec2 d = unitVector((i + 0.35 * random.uniform()) / s.clumps);
     const float reach = s.crown * random.uniform(0.42f, 0.56f), size = s.crown * random.uniform(0.42f, 0.58f);
     const float y = middle + half * random.uniform(-0.4f, 0.5f);
-    b.blob(s.foliage, {static_cast<float>(d.x) * reach, y, static_cast<float>(d.y) * reach},
-           {size, std::min(size * 0.9f, half * 0.7f), size}, i % 2 == 0 ? 1 : 0, 0.13f,
-           s.seed * 31 + static_cast<uint64_t>(i));
+    crown.push_back({{static_cast<float>(d.x) * reach, y, static_cast<float>(d.y) * reach},
+                     {size, std::min(size * 0.9f, half * 0.7f), size},
+                     i % 2 == 0 ? 1 : 0,
+                     0.13f,
+                     s.seed * 31 + static_cast<uint64_t>(i)});
   }
+  b.blobs(s.foliage, crown);
   return b.build();
 }
 
@@ -81,13 +84,18 @@ Mesh pine(const Palette& p, uint64_t seed) {
   MeshBuilder b("tree_pine", p);
   Random random(seed);
   b.frustum(p.bark[0], {0.0f, -0.6f, 0.0f}, 0.34f, 0.14f, 11.0f, 6);
+  std::vector<Blob> crown;
   for (int i = 0; i < 5; ++i) {
     const glm::dvec2 d = unitVector(0.38 * i + 0.1 * random.uniform());
     const float r = i == 4 ? 0.1f : 1.4f, y = 7.6f + 0.95f * static_cast<float>(i);
-    b.blob(p.needles[2], {static_cast<float>(d.x) * r, y, static_cast<float>(d.y) * r},
-           {random.uniform(1.7f, 2.2f), 0.85f, random.uniform(1.7f, 2.2f)}, i % 2, 0.18f,
-           seed + static_cast<uint64_t>(i));
+    const float rx = random.uniform(1.7f, 2.2f), rz = random.uniform(1.7f, 2.2f);
+    crown.push_back({{static_cast<float>(d.x) * r, y, static_cast<float>(d.y) * r},
+                     {rx, 0.85f, rz},
+                     i % 2,
+                     0.18f,
+                     seed + static_cast<uint64_t>(i)});
   }
+  b.blobs(p.needles[2], crown);
   return b.build();
 }
 
@@ -95,9 +103,12 @@ Mesh pine(const Palette& p, uint64_t seed) {
 Mesh column(const Palette& p, const char* name, uint32_t foliage, float height, float radius, uint64_t seed) {
   MeshBuilder b(name, p);
   b.frustum(p.bark[0], {0.0f, -0.6f, 0.0f}, 0.28f, 0.2f, 2.4f, 6);
-  b.blob(foliage, {0.0f, 0.5f * height + 0.5f, 0.0f}, {radius, 0.5f * height - 0.5f, radius}, 1, 0.13f, seed);
-  b.blob(foliage, {0.12f * radius, 0.36f * height, 0.2f * radius}, {1.12f * radius, 0.26f * height, 1.1f * radius}, 1,
-         0.15f, seed + 1);
+  b.blobs(foliage, {{{0.0f, 0.5f * height + 0.5f, 0.0f}, {radius, 0.5f * height - 0.5f, radius}, 1, 0.13f, seed},
+                    {{0.12f * radius, 0.36f * height, 0.2f * radius},
+                     {1.12f * radius, 0.26f * height, 1.1f * radius},
+                     1,
+                     0.15f,
+                     seed + 1}});
   return b.build();
 }
 
@@ -122,8 +133,8 @@ Mesh hedge(const Palette& p) {
 
 Mesh bush(const Palette& p) {
   MeshBuilder b("bush", p);
-  b.blob(p.foliage[0], {0.0f, 0.55f, 0.0f}, {0.95f, 0.8f, 0.9f}, 1, 0.2f, 7);
-  b.blob(p.foliage[4], {0.7f, 0.4f, 0.3f}, {0.6f, 0.6f, 0.6f}, 0, 0.2f, 8);
+  b.blob(p.foliage[0], {{0.0f, 0.55f, 0.0f}, {0.95f, 0.8f, 0.9f}, 1, 0.2f, 7});
+  b.blob(p.foliage[4], {{0.7f, 0.4f, 0.3f}, {0.6f, 0.6f, 0.6f}, 0, 0.2f, 8});
   return b.build();
 }
 

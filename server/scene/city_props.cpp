@@ -32,7 +32,7 @@ Mesh globeLamp(const Palette& p) {
   b.prism(p.iron, {0.0f, -0.5f, 0.0f}, 0.20f, 0.13f, 1.0f, 8);
   b.frustum(p.iron, {0.0f, 0.5f, 0.0f}, 0.07f, 0.06f, 2.9f, 6);
   b.frustum(p.iron, {0.0f, 3.4f, 0.0f}, 0.07f, 0.14f, 0.12f, 6);
-  b.blob(p.lamp_light, {0.0f, 3.72f, 0.0f}, vec3(0.24f), 0, 0.0f, 1);
+  b.blob(p.lamp_light, {{0.0f, 3.72f, 0.0f}, vec3(0.24f), 0, 0.0f, 1});
   return b.build();
 }
 
@@ -77,7 +77,7 @@ Mesh stall(const Palette& p, const char* name, uint32_t canvas, uint32_t goods) 
   for (int i = 0; i < 3; ++i) {
     const float x = -0.85f + 0.85f * static_cast<float>(i);
     b.box(p.planks[1], {x - 0.36f, 0.9f, 0.2f}, {x + 0.36f, 1.05f, 0.75f}, kNoBottom);
-    b.blob(goods, {x, 1.05f, 0.48f}, {0.32f, 0.16f, 0.24f}, 0, 0.1f, static_cast<uint64_t>(i + 3));
+    b.blob(goods, {{x, 1.05f, 0.48f}, {0.32f, 0.16f, 0.24f}, 0, 0.1f, static_cast<uint64_t>(i + 3)});
   }
   // Ridged canvas with a hem all around
   const float x = 1.65f, z = 1.25f, low = 2.1f, ridge = 2.85f;
@@ -104,10 +104,10 @@ Mesh bench(const Palette& p) {
 Mesh planter(const Palette& p) {
   MeshBuilder b("planter", p);
   b.prism(p.trim[1], {0.0f, -0.3f, 0.0f}, 0.5f, 0.65f, 0.9f, 8);
-  b.blob(p.foliage[4], {0.0f, 0.75f, 0.0f}, {0.6f, 0.4f, 0.6f}, 1, 0.18f, 5);
+  b.blob(p.foliage[4], {{0.0f, 0.75f, 0.0f}, {0.6f, 0.4f, 0.6f}, 1, 0.18f, 5});
   for (int i = 0; i < 3; ++i) {
     const float x = -0.3f + 0.3f * static_cast<float>(i), z = i == 1 ? 0.35f : -0.1f;
-    b.blob(p.flowers, {x, 1.0f, z}, vec3(0.18f), 0, 0.2f, static_cast<uint64_t>(i + 20));
+    b.blob(p.flowers, {{x, 1.0f, z}, vec3(0.18f), 0, 0.2f, static_cast<uint64_t>(i + 20)});
   }
   return b.build();
 }
@@ -132,7 +132,7 @@ Mesh cart(const Palette& p) {
   b.box(p.planks[0], {-0.8f, 0.75f, -1.3f}, {0.8f, 0.87f, 1.3f});
   for (const float x : {-0.8f, 0.74f}) b.box(p.planks[3], {x, 0.87f, -1.3f}, {x + 0.06f, 1.3f, 1.3f}, kNoBottom);
   b.box(p.planks[3], {-0.74f, 0.87f, -1.3f}, {0.74f, 1.3f, -1.24f}, kNoBottom | kNoLeft | kNoRight);
-  b.blob(p.straw, {0.0f, 1.15f, -0.1f}, {0.72f, 0.55f, 1.1f}, 1, 0.1f, 9);
+  b.blob(p.straw, {{0.0f, 1.15f, -0.1f}, {0.72f, 0.55f, 1.1f}, 1, 0.1f, 9});
   for (const float x : {-0.95f, 0.83f}) b.box(p.planks[1], {x, 0.66f, -0.06f}, {x + 0.12f, 0.78f, 0.06f});
   for (const float s : {-1.0f, 1.0f}) {  // wheels: octagonal discs, both faces and the tread
     std::vector<vec3> face, back;
@@ -168,7 +168,7 @@ Mesh statue(const Palette& p) {
   b.box(p.trim[1], {-0.95f, 2.4f, -0.95f}, {0.95f, 2.6f, 0.95f});
   b.prism(p.copper, {0.0f, 2.6f, 0.0f}, 0.55f, 0.28f, 1.3f, 8);
   b.prism(p.copper, {0.0f, 3.9f, 0.0f}, 0.36f, 0.30f, 0.7f, 8, true);
-  b.blob(p.copper, {0.0f, 4.85f, 0.0f}, {0.2f, 0.26f, 0.2f}, 1, 0.0f, 3);
+  b.blob(p.copper, {{0.0f, 4.85f, 0.0f}, {0.2f, 0.26f, 0.2f}, 1, 0.0f, 3});
   b.box(p.copper, {0.25f, 4.2f, -0.1f}, {0.45f, 5.6f, 0.1f});
   return b.build();
 }

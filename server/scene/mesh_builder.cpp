@@ -73,6 +73,55 @@ Icosphere icosphere(int levels) {
   return s;
 }
 
+/// A Blob's surface; seen from its centre each direction meets it once.
+struct LumpyBall {
+  vec3 centre;
+  std::vector<vec3> points;  // from the centre
+  std::vector<vec3> normals;
+  std::vector<std::array<uint32_t, 3>> faces;
+};
+
+LumpyBall makeBall(const Blob& blob) {
+  Icosphere sphere = icosphere(blob.levels);
+  LumpyBall ball{blob.centre, {}, std::vector<vec3>(sphere.points.size(), vec3(0.0f)), std::move(sphere.faces)};
+  for (size_t i = 0; i < sphere.points.size(); ++i) {
+    const float radius = 1.0f + blob.lumps * (2.0f * unitFloat(hash64(blob.seed, i)) - 1.0f);
+    ball.points.push_back(sphere.points[i] * blob.radii * radius);
+  }
+  for (const auto& [a, b, c] : ball.faces) {
+    const vec3 n = glm::cross(ball.points[b] - ball.points[a], ball.points[c] - ball.points[a]);
+    for (uint32_t i : {a, b, c}) ball.normals[i] += n;
+  }
+  for (vec3& n : ball.normals) n = glm::normalize(n);
+  return ball;
+}
+
+/// Is `p` (from the ball's centre) well below the ball's surface?
+bool covers(const LumpyBall& ball, vec3 p) {
+  constexpr float kMargin = 0.97f;
+  for (const auto& [a, b, c] : ball.faces) {
+    // p = u a + v b + w c: the centre sees p through this face if none is negative, and in front of it if they sum to
+    // less than 1.
+    const vec3 &pa = ball.points[a], &pb = ball.points[b], &pc = ball.points[c];
+    const float volume = glm::dot(pa, glm::cross(pb, pc));
+    const float u = glm::dot(p, glm::cross(pb, pc)) / volume, v = glm::dot(pa, glm::cross(p, pc)) / volume,
+                w = glm::dot(pa, glm::cross(pb, p)) / volume;
+    if (u >= 0.0f && v >= 0.0f && w >= 0.0f) return u + v + w < kMargin;
+  }
+  return false;
+}
+
+/// Does `other` cover this face of `ball`: its corners and its middle?
+bool hides(const LumpyBall& other, const LumpyBall& ball, const std::array<uint32_t, 3>& face) {
+  const vec3 shift = ball.centre - other.centre;
+  vec3 middle(0.0f);
+  for (uint32_t i : face) {
+    if (!covers(other, shift + ball.points[i])) return false;
+    middle += ball.points[i] / 3.0f;
+  }
+  return covers(other, shift + middle);
+}
+
 }  // namespace
 
 void addSubmeshes(Mesh& mesh, const std::map<uint32_t, std::vector<uint32_t>>& by_material) {
@@ -187,23 +236,20 @@ void MeshBuilder::prism(uint32_t material, vec3 base, float bottom_radius, float
   if (bottom) polygon(material, {low.rbegin(), low.rend()});
 }
 
-void MeshBuilder::blob(uint32_t material, vec3 centre, vec3 radii, int levels, float lumps, uint64_t seed) {
-  const Icosphere sphere = icosphere(levels);
-  std::vector<vec3> points, normals(sphere.points.size(), vec3(0.0f));
-  for (size_t i = 0; i < sphere.points.size(); ++i) {
-    const float radius = 1.0f + lumps * (2.0f * unitFloat(hash64(seed, i)) - 1.0f);
-    points.push_back(centre + sphere.points[i] * radii * radius);
-  }
-  for (const auto& [a, b, c] : sphere.faces) {
-    const vec3 n = glm::cross(points[b] - points[a], points[c] - points[a]);
-    for (uint32_t i : {a, b, c}) normals[i] += n;
-  }
-  for (vec3& n : normals) n = glm::normalize(n);
+void MeshBuilder::blobs(uint32_t material, const std::vector<Blob>& blobs) {
+  std::vector<LumpyBall> balls;
+  for (const Blob& blob : blobs) balls.push_back(makeBall(blob));
   const vec2 metres = palette_.metres[material];
-  for (const auto& face : sphere.faces) {
-    const vec3 facing = normals[face[0]] + normals[face[1]] + normals[face[2]];
-    for (uint32_t i : face) {
-      indices(material).push_back(vertex(points[i], normals[i], boxProjection(points[i], facing) / metres));
+  for (const LumpyBall& ball : balls) {
+    for (const std::array<uint32_t, 3>& face : ball.faces) {
+      if (std::ranges::any_of(balls,
+                              [&](const LumpyBall& other) { return &other != &ball && hides(other, ball, face); }))
+        continue;
+      const vec3 facing = ball.normals[face[0]] + ball.normals[face[1]] + ball.normals[face[2]];
+      for (uint32_t i : face) {
+        const vec3 p = ball.centre + ball.points[i];
+        indices(material).push_back(vertex(p, ball.normals[i], boxProjection(p, facing) / metres));
+      }
     }
   }
 }

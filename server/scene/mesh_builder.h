@@ -16,6 +16,15 @@ void addSubmeshes(Mesh& mesh, const std::map<uint32_t, std::vector<uint32_t>>& b
 /// Faces of a box() to leave out (hidden ones).
 enum BoxFace : uint32_t { kNoBottom = 1, kNoTop = 2, kNoBack = 4, kNoFront = 8, kNoLeft = 16, kNoRight = 32 };
 
+/// An icosahedron subdivided `levels` times (20 * 4^levels triangles), radii varied by `lumps` (0: none).
+struct Blob {
+  glm::vec3 centre;
+  glm::vec3 radii;
+  int levels;
+  float lumps;
+  uint64_t seed;
+};
+
 /// Points are given in the current frame; +y is up in every frame. Winding: counter-clockwise seen from outside.
 class MeshBuilder {
  public:
@@ -41,9 +50,9 @@ class MeshBuilder {
   /// The same with flat sides, turned so that a side faces the front.
   void prism(uint32_t material, glm::vec3 base, float bottom_radius, float top_radius, float height, int sides,
              bool bottom = false);
-  /// A lumpy ball: an icosahedron subdivided `levels` times (20 * 4^levels triangles), radii varied by `lumps` (0:
-  /// none).
-  void blob(uint32_t material, glm::vec3 centre, glm::vec3 radii, int levels, float lumps, uint64_t seed);
+  /// Lumpy balls that may grow into each other: what lies hidden inside another one is left out.
+  void blobs(uint32_t material, const std::vector<Blob>& blobs);
+  void blob(uint32_t material, const Blob& blob) { blobs(material, {blob}); }
 
   Mesh build();
 
