@@ -154,15 +154,21 @@ void Commands::traceRays(const RayTracingPipeline& pipeline, uint32_t width, uin
   vkCmdTraceRaysKHR(handle_, &pipeline.raygen(), &pipeline.miss(), &pipeline.hit(), &callable, width, height, 1);
 }
 
-void Commands::barrier(const Use& before, const Use& after) {
-  VkMemoryBarrier2 memory{VK_STRUCTURE_TYPE_MEMORY_BARRIER_2};
-  memory.srcStageMask = before.stages;
-  memory.srcAccessMask = before.access;
-  memory.dstStageMask = after.stages;
-  memory.dstAccessMask = after.access;
+void Commands::traceRaysIndirect(const RayTracingPipeline& pipeline, const Buffer& sizes, uint64_t offset) {
+  const VkStridedDeviceAddressRegionKHR callable{};
+  vkCmdTraceRaysIndirectKHR(handle_, &pipeline.raygen(), &pipeline.miss(), &pipeline.hit(), &callable,
+                            sizes.address() + offset);
+}
+
+void Commands::barrier(std::span<const Dependency> dependencies) {
+  if (dependencies.empty()) return;
+  std::vector<VkMemoryBarrier2> barriers;
+  for (const auto& [before, after] : dependencies)
+    barriers.push_back(
+        {VK_STRUCTURE_TYPE_MEMORY_BARRIER_2, nullptr, before.stages, before.access, after.stages, after.access});
   VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-  dependency.memoryBarrierCount = 1;
-  dependency.pMemoryBarriers = &memory;
+  dependency.memoryBarrierCount = static_cast<uint32_t>(barriers.size());
+  dependency.pMemoryBarriers = barriers.data();
   vkCmdPipelineBarrier2(handle_, &dependency);
 }
 

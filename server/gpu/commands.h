@@ -1,6 +1,7 @@
 // One frame's command buffer with everything that lives as long as it: upload ring, timestamps, retired buffers.
 #pragma once
 
+#include <array>
 #include <cstring>
 #include <span>
 #include <string>
@@ -49,6 +50,11 @@ inline constexpr Use host_read{VK_PIPELINE_STAGE_2_HOST_BIT, VK_ACCESS_2_HOST_RE
 inline constexpr Use everything{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                 VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
 }  // namespace use
+
+/// `after` waits for `before` and sees what it wrote.
+struct Dependency {
+  Use before, after;
+};
 
 /// True when `use` changes memory.
 bool writes(const Use& use);
@@ -109,9 +115,15 @@ class Commands {
     vkCmdDispatch(handle_, groups_x, groups_y, groups_z);
   }
   void traceRays(const RayTracingPipeline& pipeline, uint32_t width, uint32_t height);
+  /// Sizes that the GPU wrote: a VkDispatchIndirectCommand, a VkTraceRaysIndirectCommandKHR at `offset`.
+  void dispatchIndirect(const Buffer& sizes, uint64_t offset) {
+    vkCmdDispatchIndirect(handle_, sizes.handle(), offset);
+  }
+  void traceRaysIndirect(const RayTracingPipeline& pipeline, const Buffer& sizes, uint64_t offset);
 
   // ---- Order and time ----
-  void barrier(const Use& before, const Use& after);
+  void barrier(std::span<const Dependency> dependencies);
+  void barrier(const Use& before, const Use& after) { barrier(std::array{Dependency{before, after}}); }
   /// UNDEFINED → GENERAL, once after creation. Contents are undefined.
   void prepare(const Image& image);
   /// Makes room for `passes` timers; before the first beginTimer() of a frame.

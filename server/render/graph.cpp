@@ -28,24 +28,23 @@ void Graph::record(gpu::Commands& commands) const {
   commands.reserveTimers(passes_.size());
   std::unordered_map<Resource, History> histories;
   for (const Pass& pass : passes_) {
-    gpu::Use before, after;
+    std::vector<gpu::Dependency> dependencies;
     for (const Access& access : pass.accesses) {
       History& history = histories[access.resource];
       if (history.write.stages) {  // read after write, write after write
-        before |= history.write;
-        after |= access.use;
+        dependencies.push_back({history.write, access.use});
       }
       if (gpu::writes(access.use)) {
         if (history.reads.stages) {  // write after read: order is enough, there is nothing to make visible
-          before.stages |= history.reads.stages;
-          after.stages |= access.use.stages;
+          dependencies.push_back({{history.reads.stages, 0}, {access.use.stages, 0}});
         }
         history = {access.use, {}};
       } else {
         history.reads |= access.use;
       }
     }
-    if (before.stages) commands.barrier(before, after);
+    // Each by itself: accesses of one use are not allowed at the stages of another.
+    commands.barrier(dependencies);
     commands.beginTimer(pass.name);
     pass.record(commands);
     commands.endTimer();
