@@ -298,6 +298,7 @@ void Device::createDevice() {
   VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
   ray_tracing.rayTracingPipeline = VK_TRUE;
+  ray_tracing.rayTracingPipelineTraceRaysIndirect = VK_TRUE;
   VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
   structures.pNext = &ray_tracing;

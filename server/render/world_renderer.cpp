@@ -36,6 +36,7 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
       tlas_(*device_),
       emitters_(*device_),
+      paths_(*device_),
       registry_(*scene_),
       environment_(scene_->environment) {
   warmUp();
@@ -147,7 +148,8 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
-  const ViewPass pass{graph, view, work.owner, &tlas_, &instances_};
+  const ViewPass pass{graph, view, work.owner, &tlas_, &instances_, paths_};
+  paths_.reserve(uint64_t{settings.width} * settings.height, PathTrace::vertices(settings.bounces));
 
   graph.add("constants", work.owner,
             {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
@@ -220,7 +222,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.sky_zenith = environment_.sky.zenith;
   c.sky_ground = environment_.sky.ground;
 
-  c.max_scatterings = settings.bounces + 1;
+  c.max_scatterings = PathTrace::vertices(settings.bounces) - 1;
   c.roulette = settings.roulette;
   // A reference image must not depend on the frames before it.
   const bool reference = settings.mode == Mode::reference;
@@ -230,6 +232,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.radiance = view.radiance.slot();
   c.accumulation = view.accumulation.slot();
   c.path_info = view.path_info.slot();
+  paths_.describe(c);
   c.view_state = view.state.address();
   c.pixels = view.pixels.address();
   c.ray_log = view.ray_log ? view.ray_log.address() : 0;

@@ -10,6 +10,7 @@
 #include "effects/registry.h"
 #include "render/emitter_instances.h"
 #include "render/passes.h"
+#include "render/path_queue.h"
 #include "render/renderer.h"
 #include "render/scene_resources.h"
 #include "render/view.h"
@@ -49,6 +50,7 @@ class WorldRenderer {
   accel::InstanceTable instances_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;
+  PathQueue paths_;
   effects::Registry registry_;
   effects::EffectSet effects_;
   scene::Environment environment_;

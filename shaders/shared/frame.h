@@ -46,10 +46,13 @@ struct FrameConstants {
   float roulette_exposure;
 
   // Images of the bindless set, and buffers.
-  uint visibility;    // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
-  uint radiance;      // rgba32f: this sample
-  uint accumulation;  // rgba32f: mean of the samples so far
-  uint path_info;     // r32ui: rays and dropped samples of this tick (packPathInfo)
+  uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
+  uint radiance;           // rgba32f: this sample
+  uint accumulation;       // rgba32f: mean of the samples so far
+  uint path_info;          // r32ui: rays and dropped samples of this tick (packPathInfo)
+  uint64_t path_states;    // PathState a pixel (shared/paths.h)
+  uint64_t path_pixels;    // two lists of pixels whose paths go on
+  uint64_t path_launches;  // PathLaunch a vertex
   uint64_t view_state;
   uint64_t pixels;   // one RGBA8 word a pixel
   uint64_t ray_log;  // RayLogEntry: ray_log_stride a pixel
@@ -79,6 +82,7 @@ struct SampleConstants {
   float adaptation;     // share of the way to the new exposure, (0, 1]
   uint auto_exposure;   // 0: exposure = exposure_bias
   uint source;          // tonemap, histogram: image to read
+  uint scatterings;     // path_trace: of the paths before this launch
 };
 
 struct RayLogEntry {

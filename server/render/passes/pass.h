@@ -3,17 +3,20 @@
 
 #include "effects/registry.h"
 #include "render/graph.h"
+#include "render/path_queue.h"
 #include "render/view.h"
 
 namespace helio::render {
 
-/// One view in one tick. `owner` names it in the graph; `tlas` stands for the acceleration structure there.
+/// One view in one tick. `owner` names it in the graph; `tlas` stands for the acceleration structure there;
+/// `paths` is working memory.
 struct ViewPass {
   Graph& graph;
   View& view;
   int owner;
   Resource tlas;
   Resource instances;
+  PathQueue& paths;
 };
 
 /// Groups of `size` x `size` pixels that cover the view.

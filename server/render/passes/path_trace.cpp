@@ -1,9 +1,25 @@
 #include "render/passes/path_trace.h"
 
+#include "shared/paths.h"
+
 namespace helio::render {
 namespace {
 constexpr size_t kLogRaysConstant = 32;  // its id in path_trace.rgen: ids below belong to the effects
+
+/// Launches and the compaction between them take turns with path_info and the queue.
+constexpr gpu::Use kPathUse{gpu::use::ray_write.stages | gpu::use::compute_write.stages, gpu::use::ray_write.access};
+constexpr gpu::Use kQueueUse{kPathUse.stages | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
+                             kPathUse.access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+
+/// Groups of compact_paths.comp that cover the picture in tiles of 8 x 4 pixels.
+uint32_t tileGroups(uint32_t width, uint32_t height) {
+  const uint32_t pixels = gpu::alignUp(width, 8) * gpu::alignUp(height, 4);
+  return (pixels + shared::kPathGroup - 1) / shared::kPathGroup;
 }
+
+}  // namespace
+
+PathTrace::PathTrace(gpu::Device& device) : device_(device), compact_(device, "path_trace/compact_paths.comp") {}
 
 gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::Specialisation& constants) {
   return {
@@ -25,6 +41,29 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bo
   return variants_.emplace(key, std::move(pipeline)).first->second;
 }
 
+void PathTrace::record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
+                       const PathQueue& paths, shared::SampleConstants sample) const {
+  const ViewSettings& settings = view.settings();
+  paths.clear(commands);
+  commands.barrier(gpu::use::transfer_write, kQueueUse);
+  const uint32_t vertices = PathTrace::vertices(settings.bounces);
+  for (uint32_t vertex = 0;; ++vertex) {
+    sample.scatterings = vertex;
+    commands.bind(pipeline);
+    commands.push(sample);
+    if (vertex == 0) commands.traceRays(pipeline, settings.width, settings.height);
+    else paths.trace(commands, pipeline, vertex);
+    if (vertex + 1 == vertices) return;
+
+    commands.barrier(gpu::use::ray_write, gpu::use::compute_write);
+    commands.bind(compact_);
+    commands.push(sample);
+    if (vertex == 0) commands.dispatch(tileGroups(settings.width, settings.height));
+    else paths.dispatch(commands, vertex);
+    commands.barrier(gpu::use::compute_write, kQueueUse);
+  }
+}
+
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
   const gpu::RayTracingPipeline& pipeline = variant(effects, false);
@@ -33,12 +72,11 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {pass.instances, gpu::use::ray_read},
                   {&view.constants, gpu::use::ray_read},
                   {&view.visibility, gpu::use::ray_read},
+                  {&pass.paths, kQueueUse},
                   {&view.radiance, gpu::use::ray_write},
-                  {&view.path_info, gpu::use::ray_write}},
-                 [&pipeline, &view, sample](gpu::Commands& commands) {
-                   commands.bind(pipeline);
-                   commands.push(sample);
-                   commands.traceRays(pipeline, view.settings().width, view.settings().height);
+                  {&view.path_info, kPathUse}},
+                 [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
+                   record(commands, pipeline, view, paths, sample);
                  });
 }
 
@@ -50,11 +88,12 @@ void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& samp
                   {pass.instances, gpu::use::ray_read},
                   {&view.constants, gpu::use::ray_read},
                   {&view.visibility, gpu::use::ray_read},
+                  {&pass.paths, kQueueUse},
+                  {&view.radiance, gpu::use::ray_write},
+                  {&view.path_info, kPathUse},
                   {&view.ray_log, gpu::use::ray_write}},
-                 [&pipeline, &view, sample](gpu::Commands& commands) {
-                   commands.bind(pipeline);
-                   commands.push(sample);
-                   commands.traceRays(pipeline, view.settings().width, view.settings().height);
+                 [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
+                   record(commands, pipeline, view, paths, sample);
                  });
 }
 

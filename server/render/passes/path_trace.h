@@ -1,4 +1,5 @@
 // Pass `path_trace`: one path a pixel from the primary hits on, specialised for the effects that the scene calls for.
+// Vertex by vertex, each launch over the paths that are still alive.
 #pragma once
 
 #include <map>
@@ -14,20 +15,26 @@ gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::S
 
 class PathTrace {
  public:
-  explicit PathTrace(gpu::Device& device) : device_(device) {}
+  explicit PathTrace(gpu::Device& device);
 
   /// A variant that was never used takes up to a second to compile: worlds warm up what their prefabs could call for.
   void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
   /// Pass `log_rays`: traces the same paths again and only writes down their rays (for `bare_trace`).
   void addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
 
+  /// Most vertices of a path with up to `bounces` + 1 scatterings, the camera's aside: the last one only shines.
+  static uint32_t vertices(uint32_t bounces) { return bounces + 2; }
   /// Most rays that one path may trace, and the end mark.
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
   const gpu::RayTracingPipeline& variant(effects::EffectSet effects, bool log_rays);
+  /// A launch for each vertex, over the paths that reach it.
+  void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
+              const PathQueue& paths, shared::SampleConstants sample) const;
 
   gpu::Device& device_;
+  gpu::ComputePipeline compact_;
   std::mutex mutex_;
   std::map<std::pair<uint32_t, bool>, gpu::RayTracingPipeline> variants_;
 };
