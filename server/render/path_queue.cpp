@@ -4,13 +4,13 @@
 
 namespace helio::render {
 
-void PathQueue::reserve(uint64_t pixels, uint32_t vertices) {
+void PathQueue::reserve(uint64_t pixels, uint32_t launches) {
   using enum gpu::MemoryCategory;
   if (const uint64_t bytes = pixels * sizeof(shared::PathState); bytes > states_.size())
     states_ = gpu::Buffer(device_, {"the queue of paths", bytes, path_tracing});
   if (const uint64_t bytes = 2 * pixels * sizeof(uint32_t); bytes > pixels_.size())
     pixels_ = gpu::Buffer(device_, {"the lists of paths", bytes, path_tracing});
-  if (const uint64_t bytes = vertices * sizeof(shared::PathLaunch); bytes > launches_.size())
+  if (const uint64_t bytes = launches * sizeof(shared::PathLaunch); bytes > launches_.size())
     launches_ = gpu::Buffer(device_, {"the launches of paths", bytes, path_tracing, gpu::Placement::device,
                                       VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT});
 }
@@ -26,12 +26,12 @@ void PathQueue::clear(gpu::Commands& commands) const {
   commands.upload<shared::PathLaunch>(launches_, 0, none);
 }
 
-void PathQueue::trace(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, uint32_t vertex) const {
-  commands.traceRaysIndirect(pipeline, launches_, vertex * sizeof(shared::PathLaunch));
+void PathQueue::trace(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, uint32_t launch) const {
+  commands.traceRaysIndirect(pipeline, launches_, launch * sizeof(shared::PathLaunch));
 }
 
-void PathQueue::dispatch(gpu::Commands& commands, uint32_t vertex) const {
-  commands.dispatchIndirect(launches_, vertex * sizeof(shared::PathLaunch) + offsetof(shared::PathLaunch, groups));
+void PathQueue::dispatch(gpu::Commands& commands, uint32_t launch) const {
+  commands.dispatchIndirect(launches_, launch * sizeof(shared::PathLaunch) + offsetof(shared::PathLaunch, groups));
 }
 
 }  // namespace helio::render

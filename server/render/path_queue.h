@@ -12,16 +12,16 @@ class PathQueue {
  public:
   explicit PathQueue(gpu::Device& device) : device_(device) {}
 
-  /// Room for a view of `pixels` pixels whose paths have up to `vertices` vertices. What it held is lost.
-  void reserve(uint64_t pixels, uint32_t vertices);
+  /// Room for the paths of `pixels` pixels in up to `launches` launches. What it held is lost.
+  void reserve(uint64_t pixels, uint32_t launches);
   void describe(shared::FrameConstants& constants) const;
 
   /// Empties the queue, ahead of a sample.
   void clear(gpu::Commands& commands) const;
-  /// Launches `pipeline` over the paths that reach `vertex` (> 0).
-  void trace(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, uint32_t vertex) const;
-  /// Dispatches what is bound over the paths that reach `vertex` (> 0), in groups of shared::kPathGroup.
-  void dispatch(gpu::Commands& commands, uint32_t vertex) const;
+  /// Traces `pipeline` over the paths of `launch` (> 0).
+  void trace(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, uint32_t launch) const;
+  /// Dispatches what is bound over the paths of `launch` (> 0), in groups of shared::kPathGroup.
+  void dispatch(gpu::Commands& commands, uint32_t launch) const;
 
  private:
   gpu::Device& device_;

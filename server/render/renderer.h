@@ -30,8 +30,9 @@ struct ViewSettings {
   bool roulette = true;    ///< Russian roulette (unbiased)
   bool accumulate = true;  ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
-  float exposure_ev = 0.0f;         ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
-  bool keep_radiance = false;       ///< also hand out linear radiance (shot, fidelity, tests)
+  float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
+  bool keep_radiance = false;  ///< also hand out linear radiance (shot, fidelity, tests)
+  uint32_t path_launches = 0;  ///< launches of a sample's paths, at most; 0: what is fastest. The picture is the same
   bool measure_bare_trace = false;  ///< also trace the same rays with empty shading (benchmarks; costs memory and time)
 };
 

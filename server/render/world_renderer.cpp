@@ -149,7 +149,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
   const ViewPass pass{graph, view, work.owner, &tlas_, &instances_, paths_};
-  paths_.reserve(uint64_t{settings.width} * settings.height, PathTrace::vertices(settings.bounces));
+  if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
+    paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 
   graph.add("constants", work.owner,
             {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},

@@ -8,18 +8,18 @@ layout(buffer_reference, scalar) buffer PathStateTable { PathState items[]; };
 layout(buffer_reference, scalar) buffer PathPixelTable { uint items[]; };
 layout(buffer_reference, scalar) buffer PathLaunchTable { PathLaunch items[]; };
 
-// Two lists take turns: that of vertex k is read while that of vertex k + 1 is written.
-uint listStart(uint scatterings) { return (scatterings & 1u) * frame.width * frame.height; }
+// Two lists take turns: that of launch k is read while that of launch k + 1 is written.
+uint listStart(uint launch) { return (launch & 1u) * frame.width * frame.height; }
 
-PathLaunch pathLaunch(uint scatterings) { return PathLaunchTable(frame.path_launches).items[scatterings]; }
+PathLaunch pathLaunch(uint launch) { return PathLaunchTable(frame.path_launches).items[launch]; }
 
-uvec2 queuedPixel(uint scatterings, uint index) {
-  const uint pixel = PathPixelTable(frame.path_pixels).items[listStart(scatterings) + index];
+uvec2 queuedPixel(uint launch, uint index) {
+  const uint pixel = PathPixelTable(frame.path_pixels).items[listStart(launch) + index];
   return uvec2(pixel % frame.width, pixel / frame.width);
 }
 
-void queuePixel(uint scatterings, uint index, uvec2 pixel) {
-  PathPixelTable(frame.path_pixels).items[listStart(scatterings) + index] = pixel.y * frame.width + pixel.x;
+void queuePixel(uint launch, uint index, uvec2 pixel) {
+  PathPixelTable(frame.path_pixels).items[listStart(launch) + index] = pixel.y * frame.width + pixel.x;
 }
 
 #endif

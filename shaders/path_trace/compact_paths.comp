@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_KHR_shader_subgroup_ballot : require
-// Lists the paths that wait for a ray from vertex `push.scatterings`, and counts them for the launch that traces it. Neighbours
+// Lists the paths that wait for a ray after launch `push.launch`, and counts them for the launch that traces it. Neighbours
 // stay near each other, for the sake of coherent rays; of a group's paths those that go on come first and those that wait for
 // no more than a shadow ray last, so that a GPU's lanes have the same to do.
 #include "lib/bindless.glsl"
@@ -15,14 +15,14 @@ shared uint listed[2], first;
 
 // The pixel that this thread looks at; false: none.
 bool candidate(uint index, out uvec2 pixel) {
-  if (push.scatterings == 0u) {
+  if (push.launch == 0u) {
     // All pixels, by tiles of 8 x 4.
     const uint tiles_x = (frame.width + 7u) / 8u, tile = index / 32u;
     pixel = uvec2(tile % tiles_x, tile / tiles_x) * uvec2(8u, 4u) + uvec2(index % 8u, index / 8u % 4u);
     return pixel.x < frame.width && pixel.y < frame.height;
   }
-  if (index >= pathLaunch(push.scatterings).paths) return false;
-  pixel = queuedPixel(push.scatterings, index);
+  if (index >= pathLaunch(push.launch).paths) return false;
+  pixel = queuedPixel(push.launch, index);
   return true;
 }
 
@@ -48,7 +48,7 @@ void main() {
   barrier();
 
   // The group's part of the list.
-  const uint next = push.scatterings + 1u, count = listed[kGoesOn] + listed[kShadowOnly];
+  const uint next = push.launch + 1u, count = listed[kGoesOn] + listed[kShadowOnly];
   if (gl_LocalInvocationIndex == 0u && count > 0u) {
     PathLaunchTable launches = PathLaunchTable(frame.path_launches);
     first = atomicAdd(launches.items[next].paths, count);

@@ -82,7 +82,10 @@ struct SampleConstants {
   float adaptation;     // share of the way to the new exposure, (0, 1]
   uint auto_exposure;   // 0: exposure = exposure_bias
   uint source;          // tonemap, histogram: image to read
-  uint scatterings;     // path_trace: of the paths before this launch
+  // path_trace: this launch takes paths from their vertex `first_vertex` (the camera's aside) up to `last_vertex`.
+  uint launch;
+  uint first_vertex;
+  uint last_vertex;
 };
 
 struct RayLogEntry {

@@ -11,16 +11,17 @@ struct PathState {
   vec3 origin;
   float bsdf_pdf;  // of `direction`; 0 after mirrors
   vec3 direction;
-  uint cone;  // ray cone: width | spread << 16, as halves
+  float cone_width;
   vec3 throughput;
-  uint dimension;  // the next of its random numbers
+  float cone_spread;
   vec3 shadow_direction;
   float shadow_distance;
   vec3 shadow_contribution;  // if nothing stands in the way
+  uint dimension;            // the next of its random numbers
 };
 
-// How many paths reach a vertex: VkTraceRaysIndirectCommandKHR, and VkDispatchIndirectCommand for the pass that finds
-// those which go on from there.
+// How many paths a launch has: VkTraceRaysIndirectCommandKHR, and VkDispatchIndirectCommand for the pass that finds
+// those that wait after it.
 struct PathLaunch {
   uint paths;
   uint trace_height;

@@ -208,6 +208,10 @@ void addFrameCommand(CLI::App& app, const std::string& command_line, Action& cho
           "picture, in pixels: WIDTHxHEIGHT")
       ->default_str("640x360");
   command.add_option("--bounces", options->view.bounces, "of a path, 0 to 32")->capture_default_str();
+  command
+      .add_option("--path-launches", options->view.path_launches,
+                  "launches of a frame's paths, at most; default: what suits the picture's size")
+      ->option_text("UINT");
   command.add_option("--frames", options->frames, "measured of each kind, 1 to 1,000,000")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000).description(""));

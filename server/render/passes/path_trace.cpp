@@ -1,10 +1,17 @@
 #include "render/passes/path_trace.h"
 
+#include <algorithm>
+
 #include "shared/paths.h"
 
 namespace helio::render {
 namespace {
 constexpr size_t kLogRaysConstant = 32;  // its id in path_trace.rgen: ids below belong to the effects
+
+/// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
+constexpr uint64_t kSmallPicture = 300'000;
+/// Roulette leaves so few paths beyond the second vertex that one launch takes them to their end.
+constexpr uint32_t kLaunchesWithRoulette = 3;
 
 /// Launches and the compaction between them take turns with path_info and the queue.
 constexpr gpu::Use kPathUse{gpu::use::ray_write.stages | gpu::use::compute_write.stages, gpu::use::ray_write.access};
@@ -44,24 +51,35 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bo
 void PathTrace::record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
                        const PathQueue& paths, shared::SampleConstants sample) const {
   const ViewSettings& settings = view.settings();
-  paths.clear(commands);
-  commands.barrier(gpu::use::transfer_write, kQueueUse);
-  const uint32_t vertices = PathTrace::vertices(settings.bounces);
-  for (uint32_t vertex = 0;; ++vertex) {
-    sample.scatterings = vertex;
+  const uint32_t launches = this->launches(settings), last_vertex = vertices(settings.bounces) - 1;
+  if (launches > 1) {
+    paths.clear(commands);
+    commands.barrier(gpu::use::transfer_write, kQueueUse);
+  }
+  for (uint32_t launch = 0;; ++launch) {
+    const bool last = launch + 1 == launches;
+    sample.launch = sample.first_vertex = launch;
+    sample.last_vertex = last ? last_vertex : launch;
     commands.bind(pipeline);
     commands.push(sample);
-    if (vertex == 0) commands.traceRays(pipeline, settings.width, settings.height);
-    else paths.trace(commands, pipeline, vertex);
-    if (vertex + 1 == vertices) return;
+    if (launch == 0) commands.traceRays(pipeline, settings.width, settings.height);
+    else paths.trace(commands, pipeline, launch);
+    if (last) return;
 
     commands.barrier(gpu::use::ray_write, gpu::use::compute_write);
     commands.bind(compact_);
     commands.push(sample);
-    if (vertex == 0) commands.dispatch(tileGroups(settings.width, settings.height));
-    else paths.dispatch(commands, vertex);
+    if (launch == 0) commands.dispatch(tileGroups(settings.width, settings.height));
+    else paths.dispatch(commands, launch);
     commands.barrier(gpu::use::compute_write, kQueueUse);
   }
+}
+
+uint32_t PathTrace::launches(const ViewSettings& settings) const {
+  const uint32_t all = vertices(settings.bounces);
+  if (settings.path_launches > 0) return std::min(all, settings.path_launches);
+  if (!device_.cpu() && uint64_t{settings.width} * settings.height < kSmallPicture) return 1;
+  return settings.roulette ? std::min(all, kLaunchesWithRoulette) : all;
 }
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {

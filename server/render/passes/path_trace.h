@@ -1,5 +1,5 @@
 // Pass `path_trace`: one path a pixel from the primary hits on, specialised for the effects that the scene calls for.
-// Vertex by vertex, each launch over the paths that are still alive.
+// In several launches, each over the paths that are still alive.
 #pragma once
 
 #include <map>
@@ -24,12 +24,14 @@ class PathTrace {
 
   /// Most vertices of a path with up to `bounces` + 1 scatterings, the camera's aside: the last one only shines.
   static uint32_t vertices(uint32_t bounces) { return bounces + 2; }
+  /// In how many launches the vertices are traced.
+  uint32_t launches(const ViewSettings& settings) const;
   /// Most rays that one path may trace, and the end mark.
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
   const gpu::RayTracingPipeline& variant(effects::EffectSet effects, bool log_rays);
-  /// A launch for each vertex, over the paths that reach it.
+  /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;
 
