@@ -2,12 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <utility>
 
+#include "bench/files.h"
 #include "bench/frame_report.h"
 #include "bench/progress.h"
 #include "stream/picture.h"
@@ -134,13 +134,7 @@ class Measurement {
 
 Result<void> writePicture(const render::Pixels& pixels, const std::string& path) {
   const Result<std::string> png = stream::encodePng(pixels);
-  if (!png) return png.error();
-  std::ofstream file(path, std::ios::binary);
-  file << *png;
-  if (!file.flush())
-    return invalid("--out", path,
-                   "cannot write " + path + ": give a file in a folder that exists and can be written to");
-  return {};
+  return png ? writeFile(path, *png) : png.error();
 }
 
 Result<void> measureFrames(const FrameOptions& options, const std::string& command_line) {

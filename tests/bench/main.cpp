@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "bench/command.h"
+#include "bench/fidelity.h"
 #include "bench/frame.h"
 #include "bench/report.h"
 
@@ -30,7 +31,9 @@ int main(int argc, char** argv) {
   app.footer("Exit status: 0 success, 1 the measurement failed, 2 wrong usage.");
   app.require_subcommand(1);
   bench::Action action;
-  bench::addFrameCommand(app, bench::shellCommand(argc, argv), action);
+  const std::string command_line = bench::shellCommand(argc, argv);
+  bench::addFrameCommand(app, command_line, action);
+  bench::addFidelityCommand(app, command_line, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

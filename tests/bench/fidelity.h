@@ -1,0 +1,15 @@
+// `helio-bench fidelity`: a picture in reference mode, beside another renderer's.
+#pragma once
+
+#include "bench/command.h"
+
+namespace CLI {
+class App;
+}
+
+namespace helio::bench {
+
+/// Adds the subcommand, which becomes `chosen` when it is the one on the command line.
+void addFidelityCommand(CLI::App& app, const std::string& command_line, Action& chosen);
+
+}  // namespace helio::bench

@@ -1,0 +1,88 @@
+#include "bench/image.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+
+namespace helio::bench {
+namespace {
+
+constexpr double kEpsilon = 0.01;  // of relative errors: what is darker than 0.1 counts absolutely
+
+}  // namespace
+
+Result<Image> readPfm(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return Error{ErrorKind::not_found, "there is no file " + path, "pfm", path, {}};
+  std::string magic;
+  Image image;
+  double scale = 0.0;
+  file >> magic >> image.width >> image.height >> scale;
+  file.get();  // the one white space before the floats
+  if (!file || magic != "PF" || scale == 0.0 || image.width == 0 || image.height == 0 || image.width > 16'384 ||
+      image.height > 16'384)
+    return invalid("pfm", path, path + " is no colour PFM");
+  const size_t row = size_t{3} * image.width;
+  image.rgb.resize(row * image.height);
+  for (size_t y = image.height; y-- > 0;)
+    file.read(reinterpret_cast<char*>(image.rgb.data() + y * row), static_cast<std::streamsize>(row * sizeof(float)));
+  if (!file) return invalid("pfm", path, path + " ends before its last row");
+  if ((scale < 0.0) != (std::endian::native == std::endian::little))
+    for (float& value : image.rgb) {
+      auto* bytes = reinterpret_cast<std::byte*>(&value);
+      std::reverse(bytes, bytes + sizeof value);
+    }
+  return image;
+}
+
+glm::dvec3 mean(const Image& image) {
+  glm::dvec3 sum(0.0);
+  for (size_t i = 0; i < image.rgb.size(); i += 3) sum += glm::dvec3(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]);
+  return sum / (static_cast<double>(image.rgb.size()) / 3.0);
+}
+
+double relativeMse(const Image& a, const Image& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) {
+    const double difference = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
+    sum += difference * difference / (static_cast<double>(b.rgb[i]) * static_cast<double>(b.rgb[i]) + kEpsilon);
+  }
+  return sum / static_cast<double>(a.rgb.size());
+}
+
+double noiseFloor(const Image& first, const Image& second) {
+  double sum = 0.0;
+  for (size_t i = 0; i < first.rgb.size(); ++i) {
+    const double half = 0.5 * (static_cast<double>(first.rgb[i]) - static_cast<double>(second.rgb[i]));
+    const double middle = 0.5 * (static_cast<double>(first.rgb[i]) + static_cast<double>(second.rgb[i]));
+    sum += half * half / (middle * middle + kEpsilon);
+  }
+  return sum / static_cast<double>(first.rgb.size());
+}
+
+Image rest(const Image& all, uint32_t n, const Image& part, uint32_t k) {
+  Image result = all;
+  for (size_t i = 0; i < all.rgb.size(); ++i)
+    result.rgb[i] = static_cast<float>((n * static_cast<double>(all.rgb[i]) - k * static_cast<double>(part.rgb[i])) /
+                                       static_cast<double>(n - k));
+  return result;
+}
+
+std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double scale) {
+  std::vector<uint8_t> rgba;
+  for (size_t i = 0; i < a.rgb.size(); i += 3) {
+    double sum_a = 0.0, sum_b = 0.0;
+    for (size_t c = 0; c < 3; ++c) {
+      sum_a += static_cast<double>(a.rgb[i + c]);
+      sum_b += static_cast<double>(b.rgb[i + c]);
+    }
+    const double t = std::clamp((sum_a - sum_b) / (sum_b + 0.03) / scale, -1.0, 1.0);
+    const auto byte = [](double v) { return static_cast<uint8_t>(std::lround(255.0 * std::clamp(v, 0.0, 1.0))); };
+    rgba.insert(rgba.end(), {byte(0.5 + 0.5 * t), byte(0.5 - 0.5 * std::abs(t)), byte(0.5 - 0.5 * t), 255});
+  }
+  return rgba;
+}
+
+}  // namespace helio::bench

@@ -1,0 +1,37 @@
+// Pictures of linear radiance, and how far apart two of them are.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace helio::bench {
+
+/// Rows top-down, three floats a pixel.
+struct Image {
+  uint32_t width = 0, height = 0;
+  std::vector<float> rgb;
+};
+
+/// A colour PFM of either byte order. Errors: not_found, invalid.
+Result<Image> readPfm(const std::string& path);
+
+glm::dvec3 mean(const Image& image);
+
+/// Mean over pixels and channels of (a - b)^2 / (b^2 + 0.01). Both are of the same size.
+double relativeMse(const Image& a, const Image& b);
+
+/// The relative mean square error against the truth that the mean of two independent images of one sample count has
+/// from noise alone, estimated from their difference.
+double noiseFloor(const Image& first, const Image& second);
+
+/// What `all` samples have without the first `part` of them: (n mean(n) - k mean(k)) / (n - k).
+Image rest(const Image& all, uint32_t n, const Image& part, uint32_t k);
+
+/// Signed relative difference as a picture: grey where equal, redder where `a` is brighter, bluer where darker; full
+/// colour at `scale`.
+std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double scale);
+
+}  // namespace helio::bench
