@@ -18,6 +18,10 @@ enum class Mode {
   reference,  ///< traced primary rays with pixel jitter, everything in the TLAS, accumulated, no approximation
 };
 enum class Primary { raster, traced };
+enum class Sampler {
+  low_discrepancy,  ///< Owen-scrambled Sobol points, blue noise over pixels
+  independent,      ///< hashes: the baseline
+};
 
 /// A viewer's settings. A change of size, mode, primary or bounces restarts accumulation.
 struct ViewSettings {
@@ -25,9 +29,10 @@ struct ViewSettings {
   uint32_t height = 360;  ///< pixels, [16, 8192]
   Mode mode = Mode::hybrid;
   Primary primary = Primary::raster;
-  uint32_t bounces = 3;    ///< B, [0, 32]: all paths of 0 to B + 1 scatterings
-  uint32_t samples = 1;    ///< paths a pixel a tick, [1, 64]
-  bool roulette = true;    ///< Russian roulette (unbiased)
+  uint32_t bounces = 3;  ///< B, [0, 32]: all paths of 0 to B + 1 scatterings
+  uint32_t samples = 1;  ///< paths a pixel a tick, [1, 64]
+  bool roulette = true;  ///< Russian roulette (unbiased)
+  Sampler sampler = Sampler::low_discrepancy;
   bool accumulate = true;  ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]

@@ -12,7 +12,7 @@ bool same(const scene::Camera& a, const scene::Camera& b) {
 /// What was accumulated under `a` may go on under `b`.
 bool continues(const ViewSettings& a, const ViewSettings& b) {
   return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette &&
-         a.accumulate == b.accumulate;
+         a.sampler == b.sampler && a.accumulate == b.accumulate;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
@@ -29,6 +29,7 @@ bool isJump(const scene::Camera& from, const scene::Camera& to) {
          glm::dot(glm::normalize(from.forward), glm::normalize(to.forward)) < 0.866f;
 }
 
+constexpr uint32_t kLog2Block = 10;   // beyond 1024 samples the next block begins
 constexpr float kAdaptation = 0.15f;  // share of the way to a new exposure, a tick
 
 }  // namespace
@@ -114,13 +115,17 @@ void View::createTargets(gpu::Commands& commands) {
 shared::SampleConstants View::nextSample() {
   shared::SampleConstants sample = finalConstants();
   sample.accumulated = accumulated_;
-  // A reference image is a pure function of its inputs: its seeds count from the start of accumulation.
+  // A reference image is a pure function of its inputs; a live view never repeats a seed.
   const bool reference = settings_.mode == Mode::reference;
-  sample.sample_index = static_cast<uint32_t>(reference ? accumulated_ : samples_drawn_);
-  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. Rasterised hits serve a whole
-  // tick.
+  if (!accumulating() || accumulated_ == 0) seed_ = reference ? 0 : static_cast<uint32_t>(samples_drawn_);
+  sample.seed = seed_;
+  // What is averaged is well spread over a pixel's samples, a single sample over the pixels of the picture.
+  sample.sample_index = accumulating() ? accumulated_ : 0;
+  sample.log2_samples = accumulating() ? kLog2Block : 0;
+  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. A rasterised picture has one
+  // position for a whole tick.
   const bool own_hits = settings_.primary == Primary::traced || reference;
-  sample.jitter = accumulating() && own_hits ? pixelPosition(accumulated_) : tick_jitter_;
+  sample.jitter = accumulating() && own_hits ? glm::vec2(-1.0f) : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;
   return sample;

@@ -69,6 +69,7 @@ class View {
   ViewSettings settings_;
   uint64_t samples_drawn_ = 0;  // since the view was made: live seeds never repeat
   uint32_t accumulated_ = 0;
+  uint32_t seed_ = 0;
   float last_exposure_ = 0.0f;
   glm::vec2 tick_jitter_{0.5f};
   bool still_ = false;  // live, accumulate is on, and nothing has changed since the last tick

@@ -225,6 +225,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
 
   c.max_scatterings = PathTrace::vertices(settings.bounces) - 1;
   c.roulette = settings.roulette;
+  c.independent_samples = settings.sampler == Sampler::independent;
   // A reference image must not depend on the frames before it.
   const bool reference = settings.mode == Mode::reference;
   c.roulette_exposure = reference || !(view.lastExposure() > 0.0f) ? 1.0f : view.lastExposure();

@@ -1,5 +1,6 @@
 #include "scene/spec.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +11,8 @@ namespace helio::scene {
 namespace {
 
 using nlohmann::json;
+
+constexpr float kSmallestSun = 1e-4f;  // radians
 
 /// What is wrong with the file; caught in loadSpec().
 struct Fault {
@@ -75,7 +78,9 @@ Environment environment(const json& document) {
     if (glm::length(direction) < 1e-6f) throw Fault{"suns.direction", "has no length"};
     light.sun.direction = glm::normalize(direction);
     light.sun.irradiance = vec(sun, "irradiance");
-    light.sun.angular_diameter = glm::radians(static_cast<float>(number(sun, "angular_diameter_deg")));
+    // A sun of size 0 becomes the smallest disc whose directions floats still tell apart.
+    const auto diameter = glm::radians(static_cast<float>(number(sun, "angular_diameter_deg")));
+    light.sun.angular_diameter = std::max(diameter, kSmallestSun);
   }
   const json& sky = at(document, "sky");
   const std::string type = text(sky, "type");

@@ -5,6 +5,8 @@
 #include "lib/lights.glsl"
 #include "lib/surface.glsl"
 
+const float kBelowOne = 0.99999994;  // the largest float below 1
+
 struct EmitterSample {
   vec3 position;
   vec3 normal;      // unit; both faces shine
@@ -13,22 +15,30 @@ struct EmitterSample {
   float pdf_area;   // per square metre; 0: no sample
 };
 
-// As seen from `p`; `select` in [0, 1)^3 chooses the instance, `u` in [0, 1)^4 the triangle and the point.
-EmitterSample sampleEmitter(vec3 p, vec3 select, vec4 u) {
+// As seen from `p`; `select` in [0, 1)^3 chooses the instance, `u` in [0, 1)^2 the triangle and the point.
+EmitterSample sampleEmitter(vec3 p, vec3 select, vec2 u) {
   EmitterSample s;
   s.pdf_area = 0.0;
   const uint slot = selectEmitter(p, select);
   const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
-  const uint k = min(uint(u.x * float(mesh.emitter_count)), mesh.emitter_count - 1);
+  // What is left of u.x after each choice is uniform again: so a well spread u spreads well over a lamp of many triangles.
+  u.x *= float(mesh.emitter_count);
+  const uint k = min(uint(u.x), mesh.emitter_count - 1);
+  u.x -= float(k);
   EmitterTriangle triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + k];
-  if (u.y >= triangle.keep)
+  if (u.x < triangle.keep) {
+    u.x /= triangle.keep;
+  } else {
+    u.x = (u.x - triangle.keep) / (1.0 - triangle.keep);
     triangle = EmitterTriangleTable(frame.emitter_triangles).items[mesh.first_emitter + triangle.alias];
+  }
+  u.x = min(u.x, kBelowOne);
 
   // Choose a point: uniform barycentrics by folding the unit square.
   const Triangle t = loadTriangle(instance, mesh.first_geometry + triangle.geometry, triangle.primitive);
-  const float root = sqrt(u.z);
-  const vec3 w = vec3(1.0 - root, root * (1.0 - u.w), root * u.w);
+  const float root = sqrt(u.x);
+  const vec3 w = vec3(1.0 - root, root * (1.0 - u.y), root * u.y);
   s.position = t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
   s.reach = reachOf(t);
   const vec3 n = cross(t.p[1] - t.p[0], t.p[2] - t.p[0]);

@@ -44,6 +44,7 @@ struct FrameConstants {
   uint max_scatterings;  // B + 1
   uint roulette;         // 0 or 1
   float roulette_exposure;
+  uint independent_samples;  // 1: random numbers instead of the low-discrepancy sequence
 
   // Images of the bindless set, and buffers.
   uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
@@ -75,8 +76,10 @@ struct ViewState {
 // One sample of a view: pushed to every pass.
 struct SampleConstants {
   uint64_t frame;       // FrameConstants
-  vec2 jitter;          // position in the pixel, [0, 1)
-  uint sample_index;    // seed: counts samples since accumulation began, plus the view's tick
+  vec2 jitter;          // position in the pixel, [0, 1); negative: each pixel its own
+  uint seed;            // of the samples that are averaged
+  uint sample_index;    // among them
+  uint log2_samples;    // of a pixel's block of the low-discrepancy sequence
   uint accumulated;     // samples already in the mean
   float exposure_bias;  // 2^ev
   float adaptation;     // share of the way to the new exposure, (0, 1]

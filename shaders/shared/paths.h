@@ -17,7 +17,6 @@ struct PathState {
   vec3 shadow_direction;
   float shadow_distance;
   vec3 shadow_contribution;  // if nothing stands in the way
-  uint dimension;            // the next of its random numbers
 };
 
 // How many paths a launch has: VkTraceRaysIndirectCommandKHR, and VkDispatchIndirectCommand for the pass that finds

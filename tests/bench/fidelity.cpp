@@ -1,20 +1,17 @@
 #include "bench/fidelity.h"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
 
+#include "bench/accumulation.h"
 #include "bench/files.h"
-#include "bench/image.h"
 #include "bench/progress.h"
 #include "bench/report.h"
-#include "render/renderer.h"
 #include "scene/spec.h"
 #include "stream/picture.h"
-#include "world/world.h"
 
 namespace helio::bench {
 namespace {
@@ -30,7 +27,6 @@ Examples:
   helio-bench fidelity cornell.json --spp 256
   helio-bench fidelity scenes/*.json --out out/fidelity --json)";
 
-constexpr uint32_t kSamplesPerTick = 4;  // so that the bar moves
 constexpr double kFullColour = 0.1;
 
 struct FidelityOptions {
@@ -52,55 +48,35 @@ struct Picture {
   uint64_t rays = 0, nonfinite = 0;
   double gpu_ms = 0.0, noise = 0.0;
   Image image;
-  std::shared_ptr<const render::Pixels> pixels;
+  std::string png;
   std::optional<Comparison> comparison;
 
   double secondsPerMsample() const { return 1e-3 * gpu_ms / (1e-6 * width * height * samples); }
 };
 
-Image imageOf(const render::Frame& frame) { return {frame.pixels->width, frame.pixels->height, frame.radiance}; }
-
 Result<Picture> renderSpec(render::Renderer& renderer, const scene::Spec& spec, uint32_t samples) {
-  Picture picture{spec.name, spec.width, spec.height, samples, spec.bounces};
-  render::ViewSettings settings;
-  settings.width = spec.width;
-  settings.height = spec.height;
-  settings.mode = render::Mode::reference;
-  settings.bounces = spec.bounces;
-  settings.roulette = false;
-  settings.keep_radiance = true;
-  settings.auto_exposure = false;
-  if (auto valid = render::check(settings); !valid) return valid.error();
-  const auto handle = renderer.addWorld(spec.scene);
-  if (!handle) return handle.error();
-  const auto view = renderer.addView(*handle);
-  if (!view) return view.error();
-  world::World world(spec.scene);
+  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(),
+                                          referenceSettings(spec.width, spec.height, spec.bounces));
+  if (!accumulation) return accumulation.error();
+  Accumulation& run = **accumulation;
+  Progress progress(spec.name, samples);
+  const auto step = [&] { progress.step(); };
 
   // In the middle a copy is kept: two halves tell the noise.
   const uint32_t half = samples / 2;
-  Image first_half;
-  render::Frame frame;
-  Progress progress(spec.name, samples);
-  for (uint32_t done = 0; done < samples;) {
-    const uint32_t target = done < half ? half : samples;
-    settings.samples = std::min(kSamplesPerTick, target - done);
-    const render::ViewRequest request{*view, spec.scene->cameras.front().camera, settings};
-    auto frames = renderer.tick(*handle, world.beginTick(0), {&request, 1});
-    if (!frames) return frames.error();
-    frame = std::move(frames->front());
-    picture.gpu_ms += frame.stats.gpu_ms;
-    picture.rays += frame.stats.rays.total();
-    picture.nonfinite += frame.stats.nonfinite;
-    for (uint32_t i = 0; i < settings.samples; ++i) progress.step();
-    done += settings.samples;
-    if (done == half) first_half = imageOf(frame);
-  }
-  picture.image = imageOf(frame);
-  picture.pixels = frame.pixels;
+  if (auto grown = run.growTo(half, step); !grown) return grown.error();
+  const Image first_half = half > 0 ? run.image() : Image();
+  if (auto grown = run.growTo(samples, step); !grown) return grown.error();
+
+  Picture picture{spec.name, spec.width, spec.height, samples, spec.bounces};
+  picture.rays = run.rays();
+  picture.nonfinite = run.nonfinite();
+  picture.gpu_ms = run.gpuMs();
+  picture.image = run.image();
   if (half > 0) picture.noise = noiseFloor(first_half, rest(picture.image, samples, first_half, half));
-  renderer.removeView(*view);
-  renderer.removeWorld(*handle);
+  const auto png = stream::encodePng(run.pixels());
+  if (!png) return png.error();
+  picture.png = *png;
   return picture;
 }
 
@@ -122,9 +98,7 @@ Result<void> compare(Picture& picture, const fs::path& spec) {
 
 Result<void> writePictures(const Picture& picture, const fs::path& spec, const fs::path& folder) {
   const std::string stem = (folder / picture.name).string();
-  const auto png = stream::encodePng(*picture.pixels);
-  if (!png) return png.error();
-  if (auto written = writeFile(stem + ".png", *png); !written) return written;
+  if (auto written = writeFile(stem + ".png", picture.png); !written) return written;
   if (auto written = writeFile(stem + ".pfm", stream::encodePfm(picture.image.rgb, picture.width, picture.height));
       !written)
     return written;

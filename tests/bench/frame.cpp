@@ -166,13 +166,6 @@ Result<void> measureFrames(const FrameOptions& options, const std::string& comma
   return options.picture.empty() ? Result<void>() : writePicture(measurement.picture(), options.picture);
 }
 
-void parseSize(const std::string& text, render::ViewSettings& view) {
-  int end = 0;
-  const bool whole = std::sscanf(text.c_str(), "%5ux%5u%n", &view.width, &view.height, &end) == 2 &&
-                     static_cast<size_t>(end) == text.size();
-  if (!whole) throw CLI::ValidationError("--size", "\"" + text + "\" is no size: give WIDTHxHEIGHT such as 1920x1080");
-}
-
 /// What must hold between flags. Throws CLI::ValidationError.
 void finish(FrameOptions& options, const std::string& primary) {
   using enum render::Primary;
@@ -196,11 +189,7 @@ void addFrameCommand(CLI::App& app, const std::string& command_line, Action& cho
       *app.add_subcommand("frame", "times frames by pass, counts their rays, and compares with bare tracing");
   command.footer(kNotes);
   addStageOptions(command, options->stage);
-  command
-      .add_option_function<std::string>(
-          "--size", [options](const std::string& text) { parseSize(text, options->view); },
-          "picture, in pixels: WIDTHxHEIGHT")
-      ->default_str("640x360");
+  addSizeOption(command, options->view.width, options->view.height);
   command.add_option("--bounces", options->view.bounces, "of a path, 0 to 32")->capture_default_str();
   command
       .add_option("--path-launches", options->view.path_launches,

@@ -10,6 +10,7 @@
 #include "bench/fidelity.h"
 #include "bench/frame.h"
 #include "bench/report.h"
+#include "bench/sampler.h"
 
 namespace {
 
@@ -34,6 +35,7 @@ int main(int argc, char** argv) {
   const std::string command_line = bench::shellCommand(argc, argv);
   bench::addFrameCommand(app, command_line, action);
   bench::addFidelityCommand(app, command_line, action);
+  bench::addSamplerCommand(app, command_line, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <utility>
 
@@ -55,6 +56,18 @@ void addStageOptions(CLI::App& command, StageOptions& options) {
   command.add_option("--instances", options.instances,
                      "static instances of the city, 1,000 to 1,000,000; default: 10,000");
   command.add_option("--seed", options.seed, "of the city; default: 1");
+}
+
+void addSizeOption(CLI::App& command, uint32_t& width, uint32_t& height) {
+  const auto parse = [&width, &height](const std::string& text) {
+    int end = 0;
+    const bool whole =
+        std::sscanf(text.c_str(), "%5ux%5u%n", &width, &height, &end) == 2 && static_cast<size_t>(end) == text.size();
+    if (!whole)
+      throw CLI::ValidationError("--size", "\"" + text + "\" is no size: give WIDTHxHEIGHT such as 1920x1080");
+  };
+  command.add_option_function<std::string>("--size", parse, "picture, in pixels: WIDTHxHEIGHT")
+      ->default_str(std::to_string(width) + "x" + std::to_string(height));
 }
 
 Result<void> check(const StageOptions& options) {

@@ -25,6 +25,8 @@ struct StageOptions {
 
 /// --scene, --camera, --instances and --seed, which refer to `options` from then on.
 void addStageOptions(CLI::App& command, StageOptions& options);
+/// --size WIDTHxHEIGHT.
+void addSizeOption(CLI::App& command, uint32_t& width, uint32_t& height);
 /// Errors (invalid): the city's flags with a file.
 Result<void> check(const StageOptions& options);
 
