@@ -1,6 +1,7 @@
 #include "accel/instance_table.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace helio::accel {
 namespace {
@@ -15,6 +16,8 @@ uint64_t spread(uint64_t x) {
   x = (x | x << 1) & 0x5555555555555555ull;
   return x;
 }
+
+bool invertible(const glm::mat4x3& transform) { return std::isnormal(glm::determinant(glm::mat3(transform))); }
 
 /// Grows to a power of two, so that edits seldom reallocate.
 uint64_t capacityFor(uint64_t count) {
@@ -44,20 +47,22 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
   for (const auto& [slot, instance] : changes.slots) {
     PlacedInstance& placed = placed_[slot];
     shared::InstanceRecord& record = records_[slot];
-    if (placed.prefab != instance.prefab) {
+    // Rays cannot meet what is scaled to nothing [Vulkan: the transform must be invertible], so raster must not either.
+    const uint32_t prefab = invertible(instance.transform) ? instance.prefab : scene::kNone;
+    if (placed.prefab != prefab) {
       if (placed.prefab != scene::kNone) on_change(placed.prefab, -1);
-      if (instance.prefab != scene::kNone) on_change(instance.prefab, +1);
+      if (prefab != scene::kNone) on_change(prefab, +1);
     }
     dirty_slots_.push_back(slot);
     emitters_dirty_ |= record.emitter_weight > 0.0f;
-    if (instance.prefab == scene::kNone) {
+    if (prefab == scene::kNone) {
       placed = {};
       record.mesh = shared::kNoMesh;
       record.emitter_weight = 0.0f;
       continue;
     }
-    placed.prefab = instance.prefab;
-    placed.mesh = scene_.prefabs[instance.prefab].mesh;
+    placed.prefab = prefab;
+    placed.mesh = scene_.prefabs[prefab].mesh;
     const scene::Aabb bounds = scene::transform(scene_.meshes[placed.mesh].bounds, instance.transform);
     placed.centre = bounds.centre();
     placed.radius = 0.5f * glm::length(bounds.extent());
@@ -79,7 +84,7 @@ void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
   std::vector<uint32_t> newcomers;
   for (const auto& [slot, instance] : changes.slots) {
     changed[slot] = true;
-    if (instance.prefab != scene::kNone) newcomers.push_back(slot);
+    if (placed_[slot].prefab != scene::kNone) newcomers.push_back(slot);
   }
   const auto before = [this](uint32_t a, uint32_t b) { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; };
   std::erase_if(order_, [&](uint32_t slot) { return changed[slot]; });

@@ -9,7 +9,7 @@
 namespace helio::render {
 namespace {
 
-constexpr float kNearPlane = 0.05f;  // metres
+constexpr float kNearPlane = 1e-4f;  // metres; reversed float depth loses nothing by it
 
 /// Passes that measure rather than make the picture.
 bool isMeasurement(const std::string& pass) { return pass == "log_rays" || pass == "bare_trace"; }
