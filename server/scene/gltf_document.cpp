@@ -1,14 +1,12 @@
 #include "scene/gltf_document.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <string>
 
-#include <spdlog/fmt/fmt.h>
-#include <nlohmann/json.hpp>
+#include "scene/gltf_checker.h"
+#include "scene/gltf_extensions.h"
 
 namespace helio::scene {
 namespace {
@@ -16,9 +14,8 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxNesting = 100;
-constexpr std::array kSupportedExtensions = {"KHR_materials_emissive_strength"};
 constexpr uint64_t kMaxImageBytes = std::numeric_limits<int>::max();  // what image decoders can be given
-constexpr uint64_t kAny = uint64_t{1} << 53;                          // beyond it JSON numbers are not exact
+constexpr uint64_t kMaxInteger = std::numeric_limits<int>::max();  // what tinygltf keeps offsets of sparse accessors in
 
 /// The greatest number of brackets open at once, outside of strings.
 int nestingOf(std::string_view text) {
@@ -66,123 +63,51 @@ bool staysInFolder(const std::string& uri) {
   return true;
 }
 
-/// Walks the document and keeps the first thing that is wrong. Checks go on after it, for they read nothing unchecked.
-class Checker {
+class DocumentChecker : GltfChecker {
  public:
-  Checker(const json& root, std::optional<uint64_t> bin_bytes) : root_(root), bin_bytes_(bin_bytes) {}
+  DocumentChecker(const json& root, std::optional<uint64_t> bin_bytes) : GltfChecker(root), bin_bytes_(bin_bytes) {}
 
   Result<void> check() {
     checkHeader();
-    for (const char* list : {"accessors", "buffers", "bufferViews", "cameras", "images", "materials", "meshes", "nodes",
-                             "scenes", "textures"}) {
-      checkListOfObjects(list);
+    for (const char* list : {"accessors", "animations", "buffers", "bufferViews", "cameras", "images", "materials",
+                             "meshes", "nodes", "samplers", "scenes", "skins", "textures"}) {
+      listOfObjects(root(), "", list);
     }
-    if (!error_) {
+    if (!error()) {
       each("buffers", [this](const json& o, const std::string& at, size_t i) { checkBuffer(o, at, i); });
       each("bufferViews", [this](const json& o, const std::string& at, size_t) { checkBufferView(o, at); });
       each("accessors", [this](const json& o, const std::string& at, size_t) { checkAccessor(o, at); });
       each("meshes", [this](const json& o, const std::string& at, size_t) { checkMesh(o, at); });
       each("images", [this](const json& o, const std::string& at, size_t) { checkImage(o, at); });
-      each("textures", [this](const json& o, const std::string& at, size_t) { reference(o, at, "source", "images"); });
+      each("textures", [this](const json& o, const std::string& at, size_t) {
+        reference(o, at, "source", "images");
+        reference(o, at, "sampler", "samplers");
+      });
       each("materials", [this](const json& o, const std::string& at, size_t) { checkMaterial(o, at); });
+      checkLights(*this);
       each("nodes", [this](const json& o, const std::string& at, size_t) { checkNode(o, at); });
       each("scenes", [this](const json& o, const std::string& at, size_t) { references(o, at, "nodes", "nodes"); });
-      reference(root_, "", "scene", "scenes");
+      reference(root(), "", "scene", "scenes");
     }
-    if (error_) return *error_;
+    if (error()) return *error();
     return {};
   }
 
  private:
-  void fail(ErrorKind kind, const std::string& field, std::string value, const std::string& why) {
-    if (error_) return;
-    if (value.size() > 60) value = value.substr(0, 57) + "...";
-    error_ = Error{kind, fmt::format("{} is {}: {}", field, value, why), field, value, {}};
-  }
-  void fail(const std::string& field, const json& value, const std::string& why) {
-    // A document from a stranger may hold anything, also text that is not UTF-8.
-    fail(ErrorKind::invalid, field,
-         value.is_null() ? "missing" : value.dump(-1, ' ', false, json::error_handler_t::replace), why);
-  }
-
-  static std::string join(const std::string& at, const char* key) { return at.empty() ? key : at + "." + key; }
-  static const json& member(const json& object, const char* key) {
-    static const json nothing;
-    const auto found = object.find(key);
-    return found == object.end() ? nothing : *found;
-  }
-
-  template <typename Check>
-  void each(const char* list, Check&& check) {
-    const json& entries = member(root_, list);
-    for (size_t i = 0; i < entries.size() && !error_; ++i) check(entries[i], fmt::format("{}[{}]", list, i), i);
-  }
-
-  /// An integer in [low, high], or `fallback` when there is none.
-  uint64_t integer(const json& object, const std::string& at, const char* key, std::optional<uint64_t> fallback,
-                   uint64_t low, uint64_t high) {
-    const json& value = member(object, key);
-    if (value.is_null() && fallback) return *fallback;
-    if (!value.is_number_unsigned() || value.get<uint64_t>() < low || value.get<uint64_t>() > high) {
-      fail(join(at, key), value,
-           high == kAny ? fmt::format("it must be an integer, {} or more", low)
-                        : fmt::format("it must be an integer in [{}, {}]", low, high));
-      return low;
-    }
-    return value.get<uint64_t>();
-  }
-
-  size_t sizeOf(const char* list) const { return member(root_, list).size(); }
-
-  void checkIndex(const json& value, const std::string& field, const char* list) {
-    if (value.is_number_unsigned() && value.get<uint64_t>() < sizeOf(list)) return;
-    fail(field, value, fmt::format("it must be the index of one of {} {}", sizeOf(list), list));
-  }
-  void reference(const json& object, const std::string& at, const char* key, const char* list) {
-    const json& value = member(object, key);
-    if (!value.is_null()) checkIndex(value, join(at, key), list);
-  }
-  void references(const json& object, const std::string& at, const char* key, const char* list) {
-    const json& values = member(object, key);
-    if (values.is_null()) return;
-    if (!values.is_array()) return fail(join(at, key), values, "it must be an array of indices");
-    for (size_t i = 0; i < values.size() && !error_; ++i) {
-      if (values[i].is_number_unsigned() && values[i].get<uint64_t>() < sizeOf(list)) continue;
-      checkIndex(values[i], fmt::format("{}[{}]", join(at, key), i), list);
-    }
-  }
-
-  void numbers(const json& object, const std::string& at, const char* key, size_t count) {
-    const json& values = member(object, key);
-    if (values.is_null()) return;
-    bool good = values.is_array() && values.size() == count;
-    for (size_t i = 0; good && i < count; ++i) {
-      good = values[i].is_number() && std::fabs(values[i].get<double>()) <= std::numeric_limits<float>::max();
-    }
-    if (!good) fail(join(at, key), values, fmt::format("it must be {} finite numbers", count));
-  }
-
-  void checkListOfObjects(const char* list) {
-    const json& entries = member(root_, list);
-    if (entries.is_null()) return;
-    if (!entries.is_array()) return fail(list, entries, "it must be an array");
-    for (size_t i = 0; i < entries.size() && !error_; ++i) {
-      if (!entries[i].is_object()) fail(fmt::format("{}[{}]", list, i), entries[i], "it must be an object");
-    }
-  }
-
   void checkHeader() {
-    const json& asset = member(root_, "asset");
+    const json& asset = member(root(), "asset");
     const json& version = asset.is_object() ? member(asset, "version") : asset;
     if (!version.is_string() || version.get_ref<const std::string&>().rfind("2.", 0) != 0)
       fail("asset.version", version, "only glTF 2 can be read");
 
-    const json& required = member(root_, "extensionsRequired");
-    if (required.is_null()) return;
-    if (!required.is_array()) return fail("extensionsRequired", required, "it must be an array of names");
-    for (const json& name : required) {
-      const auto isName = [&name](const char* supported) { return name == supported; };
-      if (std::any_of(kSupportedExtensions.begin(), kSupportedExtensions.end(), isName)) continue;
+    for (const char* list : {"extensionsUsed", "extensionsRequired"}) {
+      const json& names = member(root(), list);
+      const auto isText = [](const json& name) { return name.is_string(); };
+      if (!names.is_null() && (!names.is_array() || !std::all_of(names.begin(), names.end(), isText)))
+        return fail(list, names, "it must be an array of names");
+    }
+    for (const json& name : member(root(), "extensionsRequired")) {
+      if (isSupportedExtension(name.get_ref<const std::string&>())) continue;
       fail(ErrorKind::unsupported, "extensionsRequired", name.dump(-1, ' ', false, json::error_handler_t::replace),
            fmt::format("this extension is not supported, export the model without it (supported: {})",
                        fmt::join(kSupportedExtensions, ", ")));
@@ -210,13 +135,13 @@ class Checker {
 
   void checkBufferView(const json& view, const std::string& at) {
     const json& buffer = member(view, "buffer");
-    checkIndex(buffer, at + ".buffer", "buffers");
+    index(buffer, at + ".buffer", "buffers");
     const uint64_t offset = integer(view, at, "byteOffset", 0, 0, kAny);
     const uint64_t length = integer(view, at, "byteLength", std::nullopt, 1, kAny);
     const uint64_t stride = integer(view, at, "byteStride", 4, 4, 252);
     if (stride % 4 != 0) fail(at + ".byteStride", member(view, "byteStride"), "it must be a multiple of 4");
-    if (error_) return;
-    const uint64_t held = root_["buffers"][buffer.get<size_t>()]["byteLength"].get<uint64_t>();
+    if (error()) return;
+    const uint64_t held = root()["buffers"][buffer.get<size_t>()]["byteLength"].get<uint64_t>();
     if (offset > held)
       return fail(at + ".byteOffset", view["byteOffset"], fmt::format("its buffer holds {} bytes", held));
     if (length > held - offset) {
@@ -225,29 +150,50 @@ class Checker {
     }
   }
 
+  uint64_t checkComponentType(const json& owner, const std::string& at) {
+    const uint64_t component = integer(owner, at, "componentType", std::nullopt, 5120, 5126);
+    if (component == 5124)
+      fail(at + ".componentType", member(owner, "componentType"), "glTF has no such component type");
+    return component;
+  }
+
   void checkAccessor(const json& accessor, const std::string& at) {
     reference(accessor, at, "bufferView", "bufferViews");
     integer(accessor, at, "byteOffset", 0, 0, kAny);
-    integer(accessor, at, "count", std::nullopt, 1, kAny);
-    const uint64_t component = integer(accessor, at, "componentType", std::nullopt, 5120, 5126);
-    if (component == 5124)
-      fail(at + ".componentType", member(accessor, "componentType"), "glTF has no such component type");
+    const uint64_t count = integer(accessor, at, "count", std::nullopt, 1, kAny);
+    checkComponentType(accessor, at);
     if (!member(accessor, "type").is_string())
       fail(at + ".type", member(accessor, "type"), "it must be text such as \"VEC3\"");
+
+    const json& sparse = object(accessor, at, "sparse");
+    if (sparse.is_null()) return;
+    integer(sparse, at + ".sparse", "count", std::nullopt, 1, std::min(count, kMaxInteger));
+    for (const char* part : {"indices", "values"}) {
+      const std::string here = at + ".sparse." + part;
+      const json& source = object(sparse, at + ".sparse", part);
+      index(member(source, "bufferView"), here + ".bufferView", "bufferViews");
+      integer(source, here, "byteOffset", 0, 0, kMaxInteger);
+    }
+    const std::string indices = at + ".sparse.indices";
+    const uint64_t component = checkComponentType(member(sparse, "indices"), indices);
+    if (component != 5121 && component != 5123 && component != 5125) {
+      fail(indices + ".componentType", member(member(sparse, "indices"), "componentType"),
+           "it must be 5121, 5123 or 5125: unsigned bytes, shorts or ints");
+    }
   }
 
   void checkMesh(const json& mesh, const std::string& at) {
     const json& primitives = member(mesh, "primitives");
     if (!primitives.is_array() || primitives.empty())
       return fail(at + ".primitives", primitives, "it must be an array that is not empty");
-    for (size_t i = 0; i < primitives.size() && !error_; ++i) {
+    for (size_t i = 0; i < primitives.size() && !error(); ++i) {
       const json& primitive = primitives[i];
       const std::string here = fmt::format("{}.primitives[{}]", at, i);
       if (!primitive.is_object()) return fail(here, primitive, "it must be an object");
       const json& attributes = member(primitive, "attributes");
       if (!attributes.is_object()) return fail(here + ".attributes", attributes, "it must be an object");
       for (const auto& [name, accessor] : attributes.items())
-        checkIndex(accessor, here + ".attributes." + name, "accessors");
+        index(accessor, here + ".attributes." + name, "accessors");
       reference(primitive, here, "indices", "accessors");
       reference(primitive, here, "material", "materials");
       integer(primitive, here, "mode", 4, 0, 6);
@@ -259,31 +205,23 @@ class Checker {
     const json& view = member(image, "bufferView");
     if (uri.is_null() == view.is_null()) return fail(at, image, "it must have either a uri or a bufferView");
     if (!uri.is_null()) return checkUri(uri, at + ".uri");
-    checkIndex(view, at + ".bufferView", "bufferViews");
-    if (error_) return;
-    const json& bytes = root_["bufferViews"][view.get<size_t>()]["byteLength"];
+    index(view, at + ".bufferView", "bufferViews");
+    if (error()) return;
+    const json& bytes = root()["bufferViews"][view.get<size_t>()]["byteLength"];
     if (bytes.get<uint64_t>() > kMaxImageBytes)
       fail(at + ".bufferView", view, fmt::format("its {} bytes are too many for an image", bytes.dump()));
   }
 
-  void checkTextureInfo(const json& owner, const std::string& at, const char* key) {
-    const json& info = member(owner, key);
-    if (info.is_null()) return;
-    if (!info.is_object()) return fail(join(at, key), info, "it must be an object");
-    checkIndex(member(info, "index"), join(at, key) + ".index", "textures");
-  }
-
   void checkMaterial(const json& material, const std::string& at) {
-    checkTextureInfo(material, at, "normalTexture");
-    checkTextureInfo(material, at, "emissiveTexture");
+    for (const char* key : {"normalTexture", "emissiveTexture", "occlusionTexture"})
+      checkTextureInfo(*this, material, at, key);
     numbers(material, at, "emissiveFactor", 3);
-    const json& pbr = member(material, "pbrMetallicRoughness");
-    if (pbr.is_null()) return;
+    const json& pbr = object(material, at, "pbrMetallicRoughness");
     const std::string here = at + ".pbrMetallicRoughness";
-    if (!pbr.is_object()) return fail(here, pbr, "it must be an object");
-    checkTextureInfo(pbr, here, "baseColorTexture");
-    checkTextureInfo(pbr, here, "metallicRoughnessTexture");
+    checkTextureInfo(*this, pbr, here, "baseColorTexture");
+    checkTextureInfo(*this, pbr, here, "metallicRoughnessTexture");
     numbers(pbr, here, "baseColorFactor", 4);
+    checkMaterialExtensions(*this, material, at);
   }
 
   void checkNode(const json& node, const std::string& at) {
@@ -294,11 +232,10 @@ class Checker {
     numbers(node, at, "translation", 3);
     numbers(node, at, "rotation", 4);
     numbers(node, at, "scale", 3);
+    checkNodeExtensions(*this, node, at);
   }
 
-  const json& root_;
   const std::optional<uint64_t> bin_bytes_;
-  std::optional<Error> error_;
 };
 
 }  // namespace
@@ -316,7 +253,7 @@ Result<void> checkDocument(std::string_view json_text, std::optional<uint64_t> b
     return invalid("", "", fmt::format("its JSON cannot be read: {}", problem.what()));
   }
   if (!root.is_object()) return invalid("", "", "its JSON must be an object");
-  return Checker(root, bin_bytes).check();
+  return DocumentChecker(root, bin_bytes).check();
 }
 
 }  // namespace helio::scene

@@ -1,11 +1,13 @@
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 
 #include "scene/gltf_accessor.h"
+#include "scene/gltf_extensions.h"
 #include "scene/gltf_import.h"
+#include "scene/vertex_frames.h"
 
 namespace helio::scene {
 namespace {
@@ -38,10 +40,18 @@ glm::vec3 faceNormal(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
   return length > 0.0f && std::isfinite(length) ? normal / length : glm::vec3(0.0f, 1.0f, 0.0f);
 }
 
+/// Channel k of a mesh, 0 being `uvs`.
+std::vector<glm::vec2>& channel(Mesh& mesh, size_t k) { return k == 0 ? mesh.uvs : mesh.more_uvs[k - 1]; }
+
 class MeshImporter {
  public:
-  MeshImporter(const tinygltf::Model& model, const GltfOptions& options, Scene& scene)
-      : model_(model), options_(options), scene_(scene) {}
+  MeshImporter(GltfImport& import, const std::vector<UvChannels>& channels_of_material)
+      : import_(import),
+        model_(import.model),
+        options_(import.options),
+        scene_(import.scene),
+        channels_of_material_(channels_of_material),
+        quantized_(import.uses(kMeshQuantization)) {}
 
   Result<std::vector<uint32_t>> import() {
     std::vector<uint32_t> prefab_of_mesh(model_.meshes.size(), kNone);
@@ -52,14 +62,17 @@ class MeshImporter {
       for (size_t k = 0; k < from.primitives.size(); ++k) {
         Result<Mesh> part = importPrimitive(from.primitives[k], fmt::format("meshes[{}].primitives[{}]", i, k));
         if (!part) return part.error();
-        append(*part, from.primitives[k].material, mesh);
+        append(*part, materialOf(from.primitives[k]), mesh);
       }
       if (mesh.indices.empty()) continue;
       mesh.finish();
+      import_.report.primitives += mesh.submeshes.size();
       prefab_of_mesh[i] = static_cast<uint32_t>(scene_.prefabs.size());
       scene_.prefabs.push_back({mesh.name, "model", static_cast<uint32_t>(scene_.meshes.size()), true});
       scene_.meshes.push_back(std::move(mesh));
     }
+    import_.report.meshes = scene_.meshes.size();
+    import_.report.triangles = triangles_;
     return prefab_of_mesh;
   }
 
@@ -71,10 +84,11 @@ class MeshImporter {
                              primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
     const auto position = primitive.attributes.find("POSITION");
     if (!has_surface || position == primitive.attributes.end()) {
-      spdlog::warn("glTF: {} is left out: it has {}", at,
-                   has_surface ? "no positions" : "points or lines, not triangles");
+      import_.report.ignore(has_surface ? "primitives without positions" : "points and lines",
+                            "only triangles have surfaces");
       return Mesh{};
     }
+    if (!primitive.targets.empty()) import_.report.ignore("morph targets", "models stand still");
     const Result<AccessorView> positions = viewAccessor(model_, position->second);
     if (!positions) return positions.error();
     Result<std::vector<uint32_t>> corners = cornersOf(primitive, positions->count, at);
@@ -103,12 +117,22 @@ class MeshImporter {
       }
     }
 
-    Result<std::vector<glm::vec3>> read = readVectors(*positions, vertices);
+    Result<std::vector<glm::vec3>> read = readVec3(*positions, vertices, quantized_ ? Integers::any : Integers::none);
     if (!read) return read.error();
     part.positions = std::move(*read);
-    if (Result<void> done = readAttributes(primitive, positions->count, vertices, at, part); !done) return done.error();
+    const Source source{primitive, vertices, positions->count, at};
+    for (const auto readAttribute :
+         {&MeshImporter::readUvs, &MeshImporter::readVertexColors, &MeshImporter::readNormals}) {
+      if (Result<void> done = (this->*readAttribute)(source, part); !done) return done.error();
+    }
+    addTangents(materialOf(primitive), part);
     part.finish();
     return part;
+  }
+
+  uint32_t materialOf(const tinygltf::Primitive& primitive) const {
+    return static_cast<uint32_t>(primitive.material >= 0 ? static_cast<size_t>(primitive.material)
+                                                         : model_.materials.size());
   }
 
   Result<std::vector<uint32_t>> cornersOf(const tinygltf::Primitive& primitive, size_t vertex_count,
@@ -142,53 +166,108 @@ class MeshImporter {
     return corners;
   }
 
-  Result<void> readAttributes(const tinygltf::Primitive& primitive, size_t vertex_count,
-                              const std::vector<uint32_t>& vertices, const std::string& at, Mesh& part) {
-    AccessorView view;
-    if (Result<bool> has = find(primitive, "TEXCOORD_0", vertex_count, at, view); !has) {
-      return has.error();
-    } else if (*has) {
-      Result<std::vector<glm::vec2>> uvs = readUvs(view, vertices);
+  /// A primitive, and which of its `vertex_count` vertices are read.
+  struct Source {
+    const tinygltf::Primitive& primitive;
+    const std::vector<uint32_t>& vertices;
+    size_t vertex_count;
+    const std::string& at;
+  };
+
+  /// The channels that the material's textures read, transformed.
+  Result<void> readUvs(const Source& source, Mesh& part) {
+    const UvChannels& channels = channels_of_material_[materialOf(source.primitive)];
+    part.more_uvs.resize(channels.size() - 1);
+    for (size_t k = 0; k < channels.size(); ++k) {
+      const std::string attribute = fmt::format("TEXCOORD_{}", channels[k].set);
+      AccessorView view;
+      const Result<bool> has = find(source, attribute, view);
+      if (!has) return has.error();
+      if (!*has) {
+        channel(part, k).assign(source.vertices.size(), channels[k](glm::vec2(0.0f)));
+        continue;
+      }
+      Result<std::vector<glm::vec2>> uvs =
+          readVec2(view, source.vertices, quantized_ ? Integers::any : Integers::normalized_unsigned);
       if (!uvs) return uvs.error();
-      part.uvs = std::move(*uvs);
+      if (!channels[k].identity()) {
+        for (glm::vec2& uv : *uvs) {
+          uv = channels[k](uv);
+          if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) {
+            return invalid(source.at, "",
+                           fmt::format("{}: the texture transform of its material takes {} beyond what "
+                                       "numbers can hold",
+                                       source.at, attribute));
+          }
+        }
+      }
+      channel(part, k) = std::move(*uvs);
     }
-    if (Result<bool> has = find(primitive, "NORMAL", vertex_count, at, view); !has) {
+    return {};
+  }
+
+  Result<void> readVertexColors(const Source& source, Mesh& part) {
+    if (source.primitive.attributes.count("COLOR_1") != 0)
+      import_.report.ignore("vertex colours beyond COLOR_0", "glTF gives them no meaning");
+    AccessorView view;
+    const Result<bool> has = find(source, "COLOR_0", view);
+    if (!has) return has.error();
+    if (!*has) return {};
+    Result<std::vector<glm::vec4>> colors = readColors(view, source.vertices);
+    if (!colors) return colors.error();
+    part.colors = std::move(*colors);
+    return {};
+  }
+
+  /// Normals, and the tangents that belong to them.
+  Result<void> readNormals(const Source& source, Mesh& part) {
+    const Integers allowed = quantized_ ? Integers::normalized_signed : Integers::none;
+    AccessorView view;
+    if (Result<bool> has = find(source, "NORMAL", view); !has) {
       return has.error();
     } else if (!*has) {
       addFlatNormals(part);
       return {};  // tangents of a surface whose normals are not given mean nothing
     }
-    Result<std::vector<glm::vec3>> normals = readVectors(view, vertices);
+    Result<std::vector<glm::vec3>> normals = readVec3(view, source.vertices, allowed);
     if (!normals) return normals.error();
     part.normals = std::move(*normals);
     normalise(part);
 
-    if (Result<bool> has = find(primitive, "TANGENT", vertex_count, at, view); !has) {
+    if (Result<bool> has = find(source, "TANGENT", view); !has) {
       return has.error();
     } else if (*has) {
-      Result<std::vector<glm::vec4>> tangents = readTangents(view, vertices);
+      Result<std::vector<glm::vec4>> tangents = readVec4(view, source.vertices, allowed);
       if (!tangents) return tangents.error();
       part.tangents = std::move(*tangents);
       const auto isUsable = [](const glm::vec4& t) { return glm::length(glm::vec3(t)) > kTinyLength; };
       if (!std::all_of(part.tangents.begin(), part.tangents.end(), isUsable))
-        part.tangents.clear();  // finish() makes better ones
+        part.tangents.clear();  // addTangents() makes better ones
       for (glm::vec4& t : part.tangents) t = glm::vec4(glm::normalize(glm::vec3(t)), t.w < 0.0f ? -1.0f : 1.0f);
     }
     return {};
   }
 
+  /// Where none are given: of the channel that the normal map reads.
+  void addTangents(uint32_t material, Mesh& part) const {
+    if (!part.tangents.empty()) return;
+    const Material& m = scene_.materials[material];
+    const size_t k = m.channel(TextureSlot::normal);
+    if (m.normal_texture != kNone) splitMirroredSeams(part, channel(part, k));
+    part.tangents = tangentsFromUv(part, channel(part, k));
+  }
+
   /// Whether the primitive has the attribute, as a view of one element a vertex.
-  Result<bool> find(const tinygltf::Primitive& primitive, const char* attribute, size_t vertex_count,
-                    const std::string& at, AccessorView& view) const {
-    const auto entry = primitive.attributes.find(attribute);
-    if (entry == primitive.attributes.end()) return false;
+  Result<bool> find(const Source& source, const std::string& attribute, AccessorView& view) const {
+    const auto entry = source.primitive.attributes.find(attribute);
+    if (entry == source.primitive.attributes.end()) return false;
     Result<AccessorView> found = viewAccessor(model_, entry->second);
     if (!found) return found.error();
     view = std::move(*found);
-    if (view.count != vertex_count) {
-      const std::string field = fmt::format("{}.attributes.{}", at, attribute);
+    if (view.count != source.vertex_count) {
+      const std::string field = fmt::format("{}.attributes.{}", source.at, attribute);
       return invalid(field, fmt::format("{}", view.count),
-                     fmt::format("{} has {} elements for {} vertices", field, view.count, vertex_count));
+                     fmt::format("{} has {} elements for {} vertices", field, view.count, source.vertex_count));
     }
     return true;
   }
@@ -216,30 +295,42 @@ class MeshImporter {
     }
   }
 
-  void append(const Mesh& part, int material, Mesh& mesh) const {
+  static void append(const Mesh& part, uint32_t material, Mesh& mesh) {
     if (part.indices.empty()) return;
-    const uint32_t base = static_cast<uint32_t>(mesh.positions.size());
-    const auto default_material = static_cast<uint32_t>(model_.materials.size());
-    mesh.submeshes.push_back({static_cast<uint32_t>(mesh.indices.size()), static_cast<uint32_t>(part.indices.size()),
-                              material >= 0 ? static_cast<uint32_t>(material) : default_material});
-    mesh.positions.insert(mesh.positions.end(), part.positions.begin(), part.positions.end());
-    mesh.normals.insert(mesh.normals.end(), part.normals.begin(), part.normals.end());
-    mesh.tangents.insert(mesh.tangents.end(), part.tangents.begin(), part.tangents.end());
-    mesh.uvs.insert(mesh.uvs.end(), part.uvs.begin(), part.uvs.end());
-    for (uint32_t index : part.indices) mesh.indices.push_back(base + index);
+    const size_t base = mesh.positions.size(), total = base + part.positions.size();
+    const auto extend = [base, total](auto& array, const auto& with, const auto& otherwise) {
+      array.resize(base, otherwise);
+      array.insert(array.end(), with.begin(), with.end());
+      array.resize(total, otherwise);
+    };
+    mesh.submeshes.push_back(
+        {static_cast<uint32_t>(mesh.indices.size()), static_cast<uint32_t>(part.indices.size()), material});
+    extend(mesh.positions, part.positions, glm::vec3(0.0f));
+    extend(mesh.normals, part.normals, glm::vec3(0.0f));
+    extend(mesh.tangents, part.tangents, glm::vec4(0.0f));
+    extend(mesh.uvs, part.uvs, glm::vec2(0.0f));
+    // What only some parts have, the others get too.
+    mesh.more_uvs.resize(std::max(mesh.more_uvs.size(), part.more_uvs.size()));
+    for (size_t k = 0; k < mesh.more_uvs.size(); ++k)
+      extend(mesh.more_uvs[k], k < part.more_uvs.size() ? part.more_uvs[k] : std::vector<glm::vec2>{}, glm::vec2(0.0f));
+    if (!mesh.colors.empty() || !part.colors.empty()) extend(mesh.colors, part.colors, glm::vec4(1.0f));
+    for (uint32_t index : part.indices) mesh.indices.push_back(static_cast<uint32_t>(base) + index);
   }
 
+  GltfImport& import_;
   const tinygltf::Model& model_;
   const GltfOptions& options_;
   Scene& scene_;
+  const std::vector<UvChannels>& channels_of_material_;
+  const bool quantized_;
   UniqueNames names_;
   uint64_t triangles_ = 0;
 };
 
 }  // namespace
 
-Result<std::vector<uint32_t>> importMeshes(const tinygltf::Model& model, const GltfOptions& options, Scene& scene) {
-  return MeshImporter(model, options, scene).import();
+Result<std::vector<uint32_t>> importMeshes(GltfImport& import, const std::vector<UvChannels>& channels_of_material) {
+  return MeshImporter(import, channels_of_material).import();
 }
 
 }  // namespace helio::scene

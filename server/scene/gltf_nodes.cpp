@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 #include <glm/gtc/quaternion.hpp>
 
+#include "scene/gltf_accessor.h"
+#include "scene/gltf_extensions.h"
 #include "scene/gltf_import.h"
 
 namespace helio::scene {
@@ -18,6 +21,15 @@ Error badNode(size_t node, const char* member, const std::string& why) {
   return invalid(field, "", fmt::format("{} {}", field, why));
 }
 
+glm::dmat4 compose(const glm::dvec3& translation, const glm::dquat& rotation, const glm::dvec3& scale) {
+  glm::dmat4 m = glm::mat4_cast(glm::normalize(rotation));
+  for (int axis = 0; axis < 3; ++axis) m[axis] *= scale[axis];
+  m[3] = glm::dvec4(translation, 1.0);
+  return m;
+}
+
+bool isRotation(const glm::dquat& q) { return glm::length(q) > 1e-12; }
+
 /// A node's map into its parent's space.
 Result<glm::dmat4> localTransform(const tinygltf::Node& node, size_t index) {
   if (!node.matrix.empty()) {
@@ -29,21 +41,79 @@ Result<glm::dmat4> localTransform(const tinygltf::Node& node, size_t index) {
     }
     return m;
   }
-  glm::dmat4 m(1.0);
-  if (!node.rotation.empty()) {
-    const glm::dquat q(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
-    if (!(glm::length(q) > 1e-12)) return badNode(index, ".rotation", "is a quaternion of length zero");
-    m = glm::mat4_cast(glm::normalize(q));
+  const auto vec3 = [](const std::vector<double>& v, double fallback) {
+    return v.empty() ? glm::dvec3(fallback) : glm::dvec3(v[0], v[1], v[2]);
+  };
+  glm::dquat rotation(1.0, 0.0, 0.0, 0.0);
+  if (!node.rotation.empty())
+    rotation = glm::dquat(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+  if (!isRotation(rotation)) return badNode(index, ".rotation", "is a quaternion of length zero");
+  return compose(vec3(node.translation, 0.0), rotation, vec3(node.scale, 1.0));
+}
+
+/// The maps of EXT_mesh_gpu_instancing's instances into the node's space; without the extension one, the identity.
+Result<std::vector<glm::dmat4>> instancesOf(const GltfImport& import, const tinygltf::Node& node, size_t index) {
+  const auto extension = node.extensions.find(kGpuInstancing);
+  if (extension == node.extensions.end()) return std::vector<glm::dmat4>(1, glm::dmat4(1.0));
+  const std::string at = fmt::format("nodes[{}].extensions.{}.attributes", index, kGpuInstancing);
+  const tinygltf::Value& attributes = extension->second.Get("attributes");
+
+  // All attributes have an element for each instance.
+  std::vector<AccessorView> views;
+  for (const std::string& name : attributes.Keys()) {
+    const Result<AccessorView> view = viewAccessor(import.model, attributes.Get(name).GetNumberAsInt());
+    if (!view) return view.error();
+    if (!views.empty() && view->count != views.front().count) {
+      const std::string field = at + "." + name;
+      return invalid(field, fmt::format("{}", view->count),
+                     fmt::format("{} has {} elements, {} has {}: every instance needs one of each", field, view->count,
+                                 views.front().name, views.front().count));
+    }
+    views.push_back(*view);
   }
-  for (int axis = 0; !node.scale.empty() && axis < 3; ++axis) m[axis] *= node.scale[static_cast<size_t>(axis)];
-  if (!node.translation.empty()) m[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1.0);
-  return m;
+  if (views.empty()) return invalid(at, "{}", at + " is empty: it must hold TRANSLATION, ROTATION or SCALE");
+  const size_t count = views.front().count, most = import.options.max_instances;
+  if (count > most) {
+    return Error{ErrorKind::limit, fmt::format("{} makes {} instances, at most {} are allowed", at, count, most), at,
+                 fmt::format("{}", count), fmt::format("{}", most)};
+  }
+
+  std::vector<uint32_t> all(count);
+  std::iota(all.begin(), all.end(), 0u);
+  std::vector<glm::vec3> translations(count, glm::vec3(0.0f)), scales(count, glm::vec3(1.0f));
+  std::vector<glm::vec4> rotations(count, glm::vec4(0.0f, 0.0f, 0.0f, 1.0f));  // x, y, z, w
+  const std::vector<std::string> names = attributes.Keys();
+  for (size_t i = 0; i < names.size(); ++i) {
+    std::optional<Error> error;
+    const auto store = [&error](auto read, auto& values) {
+      if (read) {
+        values = std::move(*read);
+      } else {
+        error = read.error();
+      }
+    };
+    if (names[i] == "TRANSLATION") store(readVec3(views[i], all, Integers::none), translations);
+    if (names[i] == "ROTATION") store(readVec4(views[i], all, Integers::normalized_signed), rotations);
+    if (names[i] == "SCALE") store(readVec3(views[i], all, Integers::none), scales);
+    if (error) return *error;
+  }
+  std::vector<glm::dmat4> instances;
+  instances.reserve(count);
+  for (size_t i = 0; i < count; ++i) {
+    const glm::dquat rotation(rotations[i].w, rotations[i].x, rotations[i].y, rotations[i].z);
+    if (!isRotation(rotation)) {
+      const std::string field = fmt::format("{}.ROTATION[{}]", at, i);
+      return invalid(field, "0 0 0 0", field + " is a quaternion of length zero");
+    }
+    instances.push_back(compose(translations[i], rotation, scales[i]));
+  }
+  return instances;
 }
 
 class NodeImporter {
  public:
-  NodeImporter(const tinygltf::Model& model, const std::vector<uint32_t>& prefab_of_mesh, Scene& scene)
-      : model_(model), prefab_of_mesh_(prefab_of_mesh), scene_(scene) {}
+  NodeImporter(GltfImport& import, const std::vector<uint32_t>& prefab_of_mesh)
+      : import_(import), model_(import.model), prefab_of_mesh_(prefab_of_mesh), scene_(import.scene) {}
 
   Result<void> import() {
     if (Result<void> forest = checkForest(); !forest) return forest;
@@ -66,10 +136,9 @@ class NodeImporter {
       const Result<glm::dmat4> local = localTransform(node, visit.node);
       if (!local) return local.error();
       const glm::dmat4 global = visit.parent * *local;
-      if (Result<void> placed = place(node, visit.node, global); !placed) return placed;
+      if (Result<void> done = addNode(node, visit.node, global); !done) return done;
       push(node.children, global);
     }
-    if (zero_scaled_ > 0) spdlog::warn("glTF: {} nodes are scaled to a point and are left out", zero_scaled_);
     return {};
   }
 
@@ -133,22 +202,76 @@ class NodeImporter {
     return roots;
   }
 
-  Result<void> place(const tinygltf::Node& node, size_t index, const glm::dmat4& global) {
+  Result<void> addNode(const tinygltf::Node& node, size_t index, const glm::dmat4& global) {
+    const Result<glm::mat4x3> transform = finite(global, index);
+    if (!transform) return transform.error();
+    if (node.mesh >= 0 && prefab_of_mesh_[static_cast<size_t>(node.mesh)] != kNone) {
+      if (Result<void> placed = place(node, index, global); !placed) return placed;
+    }
+    if (const auto light = node.extensions.find(kLightsPunctual); light != node.extensions.end()) {
+      const auto which = static_cast<size_t>(light->second.Get("light").GetNumberAsInt());
+      if (Result<void> added = addLight(model_.lights[which], node.name, index, *transform); !added) return added;
+    }
+    return node.camera >= 0 ? addCamera(node, index, *transform) : Result<void>{};
+  }
+
+  static Result<glm::mat4x3> finite(const glm::dmat4& global, size_t index) {
     const glm::mat4x3 transform(global);
     for (int column = 0; column < 4; ++column) {
       const glm::vec3& v = transform[column];
       if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) continue;
       return badNode(index, "", "has a transform that is not finite");
     }
-    if (node.mesh >= 0 && prefab_of_mesh_[static_cast<size_t>(node.mesh)] != kNone) {
+    return transform;
+  }
+
+  Result<void> place(const tinygltf::Node& node, size_t index, const glm::dmat4& global) {
+    const Result<std::vector<glm::dmat4>> instances = instancesOf(import_, node, index);
+    if (!instances) return instances.error();
+    const size_t most = import_.options.max_instances, wanted = scene_.placements.size() + instances->size();
+    if (wanted > most) {
+      return Error{
+          ErrorKind::limit,
+          fmt::format("nodes[{}] brings the model to {} instances, at most {} are allowed", index, wanted, most),
+          fmt::format("nodes[{}]", index), fmt::format("{}", wanted), fmt::format("{}", most)};
+    }
+    for (const glm::dmat4& instance : *instances) {
+      const Result<glm::mat4x3> transform = finite(global * instance, index);
+      if (!transform) return transform.error();
       const glm::vec3 zero(0.0f);
-      if (transform[0] == zero && transform[1] == zero && transform[2] == zero) {
-        ++zero_scaled_;
+      if ((*transform)[0] == zero && (*transform)[1] == zero && (*transform)[2] == zero) {
+        import_.report.ignore("instances scaled to a point", "they cannot be seen");
       } else {
-        scene_.placements.push_back({prefab_of_mesh_[static_cast<size_t>(node.mesh)], transform});
+        scene_.placements.push_back({prefab_of_mesh_[static_cast<size_t>(node.mesh)], *transform});
       }
     }
-    return node.camera >= 0 ? addCamera(node, index, transform) : Result<void>{};
+    return {};
+  }
+
+  /// A light shines along its node's -z; scale does not touch it.
+  Result<void> addLight(const tinygltf::Light& from, const std::string& node_name, size_t index,
+                        const glm::mat4x3& transform) {
+    PunctualLight light;
+    light.name = from.name.empty() ? node_name : from.name;
+    light.type = from.type == "directional" ? PunctualLight::Type::directional
+                 : from.type == "spot"      ? PunctualLight::Type::spot
+                                            : PunctualLight::Type::point;
+    light.position = transform[3];
+    if (light.type != PunctualLight::Type::point) {
+      if (!(glm::length(transform[2]) > 0.0f))
+        return badNode(index, "", "carries a light but its transform has no directions left");
+      light.direction = -glm::normalize(transform[2]);
+    }
+    for (int c = 0; c < 3 && !from.color.empty(); ++c)
+      light.color[c] = static_cast<float>(std::clamp(from.color[static_cast<size_t>(c)], 0.0, 1.0));
+    light.intensity = static_cast<float>(from.intensity);
+    if (from.range > 0.0) light.range = static_cast<float>(from.range);
+    if (light.type == PunctualLight::Type::spot) {
+      light.inner_cone = static_cast<float>(from.spot.innerConeAngle);
+      light.outer_cone = static_cast<float>(from.spot.outerConeAngle);
+    }
+    scene_.lights.push_back(std::move(light));
+    return {};
   }
 
   Result<void> addCamera(const tinygltf::Node& node, size_t index, const glm::mat4x3& transform) {
@@ -157,7 +280,7 @@ class NodeImporter {
                        : !node.name.empty() ? node.name
                                             : fmt::format("camera_{}", node.camera);
     if (from.type != "perspective") {
-      spdlog::warn("glTF: camera \"{}\" is left out: only perspective cameras are supported", name);
+      import_.report.ignore("orthographic cameras", "only perspective cameras are supported");
       return {};
     }
     const double vfov = from.perspective.yfov;
@@ -176,18 +299,18 @@ class NodeImporter {
     return {};
   }
 
+  GltfImport& import_;
   const tinygltf::Model& model_;
   const std::vector<uint32_t>& prefab_of_mesh_;
   Scene& scene_;
   std::vector<int> parent_;
   UniqueNames names_;
-  uint64_t zero_scaled_ = 0;
 };
 
 }  // namespace
 
-Result<void> importNodes(const tinygltf::Model& model, const std::vector<uint32_t>& prefab_of_mesh, Scene& scene) {
-  return NodeImporter(model, prefab_of_mesh, scene).import();
+Result<void> importNodes(GltfImport& import, const std::vector<uint32_t>& prefab_of_mesh) {
+  return NodeImporter(import, prefab_of_mesh).import();
 }
 
 }  // namespace helio::scene

@@ -2,6 +2,7 @@
 // Knows no Vulkan. Right-handed, y up, metres; colour linear Rec. 709; radiance in W/(sr m^2).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -45,7 +46,12 @@ struct Texture {
   bool srgb = true;
 };
 
-/// glTF metallic-roughness. Texture fields index Scene::textures or are kNone.
+/// The textures of a material, in the order of Material::uv_channel.
+enum class TextureSlot : uint32_t { base_color, normal, metallic_roughness, emissive, specular, specular_color };
+inline constexpr size_t kTextureSlots = 6;
+
+/// glTF metallic-roughness with KHR_materials_ior, _specular and _unlit. Texture fields index Scene::textures or are
+/// kNone.
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};  ///< linear, [0, 1]
@@ -57,8 +63,27 @@ struct Material {
   uint32_t normal_texture = kNone;
   uint32_t metallic_roughness_texture = kNone;  ///< G roughness, B metallic
   uint32_t emissive_texture = kNone;
+  float ior = 1.5f;                         ///< of a dielectric: 0 (reflects all) or 1 and more
+  float specular = 1.0f;                    ///< weight of a dielectric's reflection, [0, 1]
+  glm::vec3 specular_color{1.0f};           ///< of a dielectric's reflection along the normal, linear, 0 or more
+  uint32_t specular_texture = kNone;        ///< A multiplies `specular`
+  uint32_t specular_color_texture = kNone;  ///< RGB multiplies `specular_color`
+  /// Which of the mesh's channels of texture coordinates each slot reads: 0 is Mesh::uvs, k is Mesh::more_uvs[k - 1].
+  /// The emissive slot reads channel 0, for light sampling knows no other.
+  std::array<uint8_t, kTextureSlots> uv_channel{};
   bool lambert =
       false;  ///< two-sided Lambert of base_color, no specular (the `lambert` convention of reference images)
+  /// Shines with base_color from both faces, whatever light there is, and reflects nothing. Casts shadows; lights other
+  /// surfaces where their scattered rays find it, but is no lamp: light sampling does not look for it.
+  bool unlit = false;
+
+  uint8_t channel(TextureSlot slot) const { return uv_channel[static_cast<size_t>(slot)]; }
+  /// Whether a dielectric part reflects otherwise than at ior 1.5.
+  bool hasOwnSpecular() const {
+    return !lambert && !unlit &&
+           (ior != 1.5f || specular != 1.0f || specular_color != glm::vec3(1.0f) || specular_texture != kNone ||
+            specular_color_texture != kNone);
+  }
 };
 
 /// A range of a mesh's triangles with one material. `first_index` is a multiple of 3.
@@ -68,13 +93,16 @@ struct Submesh {
   uint32_t material = 0;
 };
 
-/// Indexed triangles, counter-clockwise is front. All attribute arrays have positions.size() entries after finish().
+/// Indexed triangles, counter-clockwise is front. All attribute arrays have positions.size() entries after finish(),
+/// but for `colors`, which may be empty.
 struct Mesh {
   std::string name;
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;   ///< unit length
   std::vector<glm::vec4> tangents;  ///< unit xyz, w = handedness (+1 or -1)
   std::vector<glm::vec2> uvs;
+  std::vector<std::vector<glm::vec2>> more_uvs;  ///< further channels of texture coordinates, at most kTextureSlots - 1
+  std::vector<glm::vec4> colors;                 ///< linear, [0, 1]: multiply the base colour; empty: white
   std::vector<uint32_t> indices;
   std::vector<Submesh> submeshes;
   Aabb bounds;
@@ -110,6 +138,20 @@ struct Sky {
   glm::vec3 ground{0.0f};
 };
 
+/// A light without extent, as KHR_lights_punctual has it.
+struct PunctualLight {
+  enum class Type : uint32_t { directional, point, spot };
+  std::string name;
+  Type type = Type::point;
+  glm::vec3 position{0.0f};                              ///< not of a directional light
+  glm::vec3 direction{0.0f, 0.0f, -1.0f};                ///< unit, the way light travels; not of a point light
+  glm::vec3 color{1.0f};                                 ///< linear, [0, 1]
+  float intensity = 1.0f;                                ///< directional: lux; point and spot: candela
+  float range = std::numeric_limits<float>::infinity();  ///< metres, beyond it nothing arrives; above 0
+  float inner_cone = 0.0f;                               ///< radians from the axis where a spot begins to fade
+  float outer_cone = 0.78539816f;                        ///< radians from the axis where it ends, (inner, pi / 2]
+};
+
 struct Environment {
   Sun sun;
   Sky sky;
@@ -138,6 +180,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Prefab> prefabs;
   std::vector<Placement> placements;  ///< the base scene
+  std::vector<PunctualLight> lights;
   Environment environment;
   std::vector<NamedCamera> cameras;  ///< at least one
 

@@ -6,15 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#include <stb/stb_image_write.h>
-#pragma GCC diagnostic pop
-
-#include "gltf_builder.h"
+#include "support/gltf_builder.h"
 
 namespace helio::scene {
 namespace {
@@ -31,15 +23,6 @@ ScenePtr load(const std::filesystem::path& file, const GltfOptions& options = {}
 ScenePtr load(const GltfBuilder& builder, const GltfOptions& options = {}) {
   const TempFolder folder;
   return load(builder.save(folder), options);
-}
-
-std::string png(int width, int height, const std::vector<uint8_t>& rgba) {
-  std::string bytes;
-  const auto append = [](void* to, void* data, int size) {
-    static_cast<std::string*>(to)->append(static_cast<char*>(data), static_cast<size_t>(size));
-  };
-  stbi_write_png_to_func(append, &bytes, width, height, 4, rgba.data(), width * 4);
-  return bytes;
 }
 
 /// Everything that the contract of scene.h promises.

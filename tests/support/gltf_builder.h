@@ -13,6 +13,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#include <stb/stb_image_write.h>
+#pragma GCC diagnostic pop
+
 namespace helio::scene {
 
 /// A folder of the running test's own, gone with it.
@@ -62,6 +70,16 @@ enum ComponentType {
   kFloat = 5126
 };
 
+/// A PNG of width * height RGBA texels.
+inline std::string png(int width, int height, const std::vector<uint8_t>& rgba) {
+  std::string bytes;
+  const auto append = [](void* to, void* data, int size) {
+    static_cast<std::string*>(to)->append(static_cast<char*>(data), static_cast<size_t>(size));
+  };
+  stbi_write_png_to_func(append, &bytes, width, height, 4, rgba.data(), width * 4);
+  return bytes;
+}
+
 /// A document and the bytes of its one buffer. Starts with one triangle in the plane z = 0: mesh 0 of accessor 0, which
 /// node 0 places.
 struct GltfBuilder {
@@ -101,6 +119,28 @@ struct GltfBuilder {
   int indices(ComponentType component, const std::vector<T>& values) {
     return accessor(view(bytesOf(values)), 0, component, values.size(), "SCALAR");
   }
+  /// Integers in elements that begin at multiples of 4 bytes, as vertex attributes must.
+  template <typename T>
+  int integers(ComponentType component, const std::string& type, bool normalized, const std::vector<T>& values) {
+    const size_t components = type == "SCALAR" ? 1 : static_cast<size_t>(type[3] - '0');
+    const size_t stride = (components * sizeof(T) + 3) / 4 * 4, count = values.size() / components;
+    std::string bytes(count * stride, '\0');
+    for (size_t i = 0; i < count; ++i)
+      std::memcpy(bytes.data() + i * stride, values.data() + i * components, components * sizeof(T));
+    const int made = accessor(view(bytes), 0, component, count, type);
+    document["bufferViews"].back()["byteStride"] = stride;
+    document["accessors"].back()["normalized"] = normalized;
+    return made;
+  }
+  /// Replaces elements of an accessor of floats.
+  void sparse(int accessor, const std::vector<uint16_t>& which, const std::vector<float>& values) {
+    const int indices_view = view(bytesOf(which)), values_view = view(bytesOf(values));
+    document["accessors"][static_cast<size_t>(accessor)]["sparse"] = {
+        {"count", which.size()},
+        {"indices", {{"bufferView", indices_view}, {"componentType", kUnsignedShort}}},
+        {"values", {{"bufferView", values_view}}}};
+  }
+  void uses(const std::string& extension) { document["extensionsUsed"].push_back(extension); }
   int image(const std::string& encoded) {
     document["images"].push_back({{"bufferView", view(encoded)}, {"mimeType", "image/png"}});
     document["textures"].push_back({{"source", document["images"].size() - 1}});
