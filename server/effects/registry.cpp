@@ -1,31 +1,39 @@
 #include "effects/registry.h"
 
+#include <algorithm>
+
 namespace helio::effects {
 namespace {
 
 using scene::kNone;
 
+bool never(const scene::Material&) { return false; }
+bool never(const scene::Environment&) { return false; }
+bool never(const scene::Mesh&) { return false; }
+
 struct Row {
   const char* name;
   bool (*of_material)(const scene::Material&);
   bool (*of_environment)(const scene::Environment&);
+  bool (*of_mesh)(const scene::Mesh&) = never;
 };
-
-bool never(const scene::Material&) { return false; }
-bool never(const scene::Environment&) { return false; }
 
 constexpr std::array<Row, kEffects> kTable{{
     {"textures",
      [](const scene::Material& m) {
        return m.base_color_texture != kNone || m.normal_texture != kNone || m.metallic_roughness_texture != kNone ||
-              m.emissive_texture != kNone;
+              m.emissive_texture != kNone || m.specular_texture != kNone || m.specular_color_texture != kNone;
      },
      never},
     {"normal_maps", [](const scene::Material& m) { return m.normal_texture != kNone && !m.lambert; }, never},
-    {"emissive_triangles", [](const scene::Material& m) { return m.emission != glm::vec3(0.0f); }, never},
+    {"emissive_triangles", [](const scene::Material& m) { return m.emission != glm::vec3(0.0f) || m.unlit; }, never},
     {"sun", never, [](const scene::Environment& e) { return e.sun.irradiance != glm::vec3(0.0f); }},
     {"sky_gradient", never, [](const scene::Environment& e) { return e.sky.zenith != e.sky.ground; }},
     {"mirrors", [](const scene::Material& m) { return m.roughness < kMirrorRoughness && !m.lambert; }, never},
+    {"uv_channels", never, never, [](const scene::Mesh& m) { return !m.more_uvs.empty(); }},
+    {"vertex_colors", never, never, [](const scene::Mesh& m) { return !m.colors.empty(); }},
+    {"specular", [](const scene::Material& m) { return m.hasOwnSpecular(); }, never},
+    {"unlit", [](const scene::Material& m) { return m.unlit; }, never},
 }};
 
 }  // namespace
@@ -41,9 +49,12 @@ gpu::Specialisation specialisation(EffectSet set) {
 Registry::Registry(const scene::Scene& scene) {
   for (const scene::Prefab& prefab : scene.prefabs) {
     EffectSet set;
-    for (const scene::Submesh& submesh : scene.meshes[prefab.mesh].submeshes)
-      for (size_t i = 0; i < kEffects; ++i)
-        if (kTable[i].of_material(scene.materials[submesh.material])) set.add(static_cast<Effect>(i));
+    const scene::Mesh& mesh = scene.meshes[prefab.mesh];
+    for (size_t i = 0; i < kEffects; ++i) {
+      const auto calls = [&](const scene::Submesh& s) { return kTable[i].of_material(scene.materials[s.material]); };
+      if (kTable[i].of_mesh(mesh) || std::any_of(mesh.submeshes.begin(), mesh.submeshes.end(), calls))
+        set.add(static_cast<Effect>(i));
+    }
     by_prefab_.push_back(set);
   }
 }

@@ -15,8 +15,19 @@
 namespace helio::effects {
 
 /// In the order of the specialisation constants of shaders/lib/effects.glsl.
-enum class Effect : uint32_t { textures, normal_maps, emissive_triangles, sun, sky_gradient, mirrors };
-inline constexpr size_t kEffects = 6;
+enum class Effect : uint32_t {
+  textures,
+  normal_maps,
+  emissive_triangles,
+  sun,
+  sky_gradient,
+  mirrors,
+  uv_channels,
+  vertex_colors,
+  specular,
+  unlit
+};
+inline constexpr size_t kEffects = 10;
 
 /// A set of effects as bits.
 struct EffectSet {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <span>
 
 #include <glm/gtc/packing.hpp>
 
@@ -28,8 +29,28 @@ shared::VertexAttributes attributesOf(const scene::Mesh& mesh, size_t i) {
   return {octahedral(mesh.normals[i]), (octahedral(glm::vec3(mesh.tangents[i])) & ~1u) | handedness, mesh.uvs[i]};
 }
 
-shared::MaterialRecord recordOf(const scene::Material& m, const std::vector<uint32_t>& slots) {
-  const auto slot = [&](uint32_t texture) { return texture == scene::kNone ? shared::kNoTexture : slots[texture]; };
+static_assert(shared::kTextureSlots == scene::kTextureSlots);
+static_assert(shared::kSlotNormal == static_cast<uint32_t>(scene::TextureSlot::normal));
+static_assert(shared::kSlotMetallicRoughness == static_cast<uint32_t>(scene::TextureSlot::metallic_roughness));
+static_assert(shared::kSlotSpecular == static_cast<uint32_t>(scene::TextureSlot::specular));
+static_assert(shared::kSlotSpecularColor == static_cast<uint32_t>(scene::TextureSlot::specular_color));
+
+/// Slots of the bindless set by index of the scene's textures.
+struct TextureSlots {
+  const std::vector<uint32_t>& slots;
+  uint32_t operator()(uint32_t texture) const { return texture == scene::kNone ? shared::kNoTexture : slots[texture]; }
+};
+
+uint32_t flagsOf(const scene::Material& m) {
+  uint32_t flags = (m.lambert ? shared::kMaterialLambert : 0) | (m.unlit && !m.lambert ? shared::kMaterialUnlit : 0);
+  const glm::vec3& c = m.specular_color;
+  if (c.r != c.g || c.g != c.b || m.specular_color_texture != scene::kNone) flags |= shared::kMaterialTintedSpecular;
+  for (uint32_t slot = 0; slot < scene::kTextureSlots; ++slot)
+    flags |= uint32_t{m.uv_channel[slot]} << (shared::kUvChannelShift + shared::kUvChannelBits * slot);
+  return flags;
+}
+
+shared::MaterialRecord recordOf(const scene::Material& m, const TextureSlots& slot) {
   shared::MaterialRecord record{};
   record.base_color = m.base_color;
   record.emission = m.emission;
@@ -40,8 +61,33 @@ shared::MaterialRecord recordOf(const scene::Material& m, const std::vector<uint
   record.normal_texture = m.lambert ? shared::kNoTexture : slot(m.normal_texture);
   record.metallic_roughness_texture = slot(m.metallic_roughness_texture);
   record.emissive_texture = slot(m.emissive_texture);
-  record.flags = m.lambert ? shared::kMaterialLambert : 0;
+  record.flags = flagsOf(m);
   return record;
+}
+
+/// f0 = ((ior - 1) / (ior + 1))^2. Schlick's approximation shines at grazing angles whatever f0 is; as the ior goes to
+/// 1 the surface must vanish, so below an f0 of 0.02 (no solid or liquid) that fades.
+shared::SpecularRecord specularOf(const scene::Material& m, const TextureSlots& slot) {
+  const float r = (m.ior - 1.0f) / (m.ior + 1.0f), f0 = r * r;
+  return {f0 * m.specular_color, std::min(1.0f, f0 / 0.02f), m.specular, slot(m.specular_texture),
+          slot(m.specular_color_texture)};
+}
+
+/// The material table, and behind it the records of what reflects otherwise than most.
+std::vector<std::byte> materialTable(const scene::Scene& scene, const TextureSlots& slot) {
+  std::vector<shared::MaterialRecord> materials;
+  std::vector<shared::SpecularRecord> speculars;
+  const size_t table_bytes = scene.materials.size() * sizeof(shared::MaterialRecord);
+  for (const scene::Material& material : scene.materials) {
+    materials.push_back(recordOf(material, slot));
+    if (!material.hasOwnSpecular()) continue;
+    materials.back().specular = static_cast<uint32_t>(table_bytes + speculars.size() * sizeof(shared::SpecularRecord));
+    speculars.push_back(specularOf(material, slot));
+  }
+  std::vector<std::byte> bytes;
+  for (const auto part : {std::as_bytes(std::span(materials)), std::as_bytes(std::span(speculars))})
+    bytes.insert(bytes.end(), part.begin(), part.end());
+  return bytes;
 }
 
 template <typename T>
@@ -80,6 +126,8 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   attributes_ = uploaded(device, commands, "vertex attributes", attributes);
   indices_ = uploaded(device, commands, "triangle indices", indices);
 
+  const std::vector<VkDeviceAddress> extras = uploadExtras(device, commands, scene);
+
   // Tables of geometries, and what BLAS builds and draws need of them.
   const effects::EmitterTriangles emitters = effects::collectEmitters(scene);
   std::vector<shared::GeometryRecord> geometries;
@@ -99,6 +147,7 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
       record.positions = positions_.address() + first_vertex[m] * sizeof(glm::vec3);
       record.attributes = attributes_.address() + first_vertex[m] * sizeof(shared::VertexAttributes);
       record.indices = indices_.address() + (first_index[m] + submesh.first_index) * sizeof(uint32_t);
+      record.extras = extras[m];
       record.material = submesh.material;
       record.emitter_offset = mesh_emitters.count ? mesh_emitters.geometry_offset[g] : shared::kNoTexture;
       geometries.push_back(record);
@@ -112,9 +161,7 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   geometries_ = uploaded(device, commands, "the geometry table", geometries);
   emitter_triangles_ =
       uploaded(device, commands, "the emissive triangles", emitters.triangles, gpu::MemoryCategory::path_tracing);
-  std::vector<shared::MaterialRecord> materials;
-  for (const scene::Material& material : scene.materials) materials.push_back(recordOf(material, texture_slots));
-  materials_ = uploaded(device, commands, "the material table", materials);
+  materials_ = uploaded(device, commands, "the material table", materialTable(scene, TextureSlots{texture_slots}));
 
   commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
   blases_ = gpu::buildBlases(commands, blas_inputs);
@@ -122,6 +169,52 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   meshes_ = uploaded(device, commands, "the mesh table", meshes);
   commands.submit();
   (void)commands.finish();
+}
+
+std::vector<VkDeviceAddress> SceneResources::uploadExtras(gpu::Device& device, gpu::Commands& commands,
+                                                          const scene::Scene& scene) {
+  // One buffer: every mesh's arrays one behind the other, then the tables that say where they are.
+  std::vector<glm::uvec2> words;
+  std::vector<shared::VertexExtras> tables;  // in words from the buffer's start, plus 1
+  std::vector<size_t> table_of_mesh;         // kNone: none
+  const auto append = [&words](const auto& array, auto&& pack) {
+    const uint64_t first = words.size() + 1;
+    for (const auto& value : array) words.push_back(pack(value));
+    return first;
+  };
+  for (const scene::Mesh& mesh : scene.meshes) {
+    table_of_mesh.push_back(mesh.colors.empty() && mesh.more_uvs.empty() ? scene::kNone : tables.size());
+    if (table_of_mesh.back() == scene::kNone) continue;
+    shared::VertexExtras table{};
+    if (!mesh.colors.empty()) {
+      table.colors = append(mesh.colors, [](const glm::vec4& c) {
+        return glm::uvec2(glm::packUnorm2x16(glm::vec2(c)), glm::packUnorm2x16(glm::vec2(c.z, c.w)));
+      });
+    }
+    for (size_t k = 0; k < std::min(mesh.more_uvs.size(), std::size(table.uvs)); ++k)
+      table.uvs[k] = append(mesh.more_uvs[k], [](const glm::vec2& uv) { return glm::floatBitsToUint(uv); });
+    tables.push_back(table);
+  }
+  std::vector<VkDeviceAddress> addresses(scene.meshes.size(), 0);
+  if (tables.empty()) return addresses;
+
+  const uint64_t array_bytes = words.size() * sizeof(glm::uvec2);
+  extras_ = gpu::Buffer(device, {"vertex extras", array_bytes + tables.size() * sizeof(shared::VertexExtras),
+                                 gpu::MemoryCategory::raster});
+  const auto toAddress = [this](uint64_t& word) {
+    if (word != 0) word = extras_.address() + (word - 1) * sizeof(glm::uvec2);
+  };
+  for (shared::VertexExtras& table : tables) {
+    toAddress(table.colors);
+    for (uint64_t& uvs : table.uvs) toAddress(uvs);
+  }
+  commands.upload<glm::uvec2>(extras_, 0, words);
+  commands.upload(extras_, array_bytes, std::as_bytes(std::span(tables)));
+  for (size_t m = 0; m < addresses.size(); ++m) {
+    if (table_of_mesh[m] != scene::kNone)
+      addresses[m] = extras_.address() + array_bytes + table_of_mesh[m] * sizeof(shared::VertexExtras);
+  }
+  return addresses;
 }
 
 std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::Commands& commands,

@@ -35,9 +35,12 @@ class SceneResources {
  private:
   std::vector<uint32_t> uploadTextures(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
+  /// Where each mesh's VertexExtras are; 0: it has none.
+  std::vector<VkDeviceAddress> uploadExtras(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
+
   std::vector<gpu::Image> textures_;
   uint64_t texture_bytes_ = 0;
-  gpu::Buffer positions_, attributes_, indices_;
+  gpu::Buffer positions_, attributes_, indices_, extras_;
   gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_;
   std::vector<gpu::AccelerationStructure> blases_;
   std::vector<float> emitter_power_;

@@ -1,6 +1,8 @@
 // glTF's metallic-roughness material: Lambert under a GGX lobe, or plain Lambert. All directions in the shading frame
 // (z = shading normal), pointing away from the surface; wo.z > 0.
 //   f = (1 - F) (1 - metallic) base / pi + F D G2 / (4 cos cos)        [glTF 2.0, appendix B]
+// Under a tinted specular lobe 1 - F is the least of its channels, lest what remains take on the complementary colour
+// [KHR_materials_specular].
 // D: GGX; G2: height-correlated Smith; sampled by visible normals [Heitz 2018].
 #ifndef HELIO_BSDF_GLSL
 #define HELIO_BSDF_GLSL
@@ -13,7 +15,9 @@ const float kMirrorAlpha = 1e-3;
 struct Bsdf {
   vec3 diffuse;   // albedo of the Lambert part before (1 - F)
   vec3 f0;
+  float f90;      // 1 without kSpecular
   float alpha;    // roughness^2
+  bool tinted;    // false without kSpecular
   bool specular;  // has the GGX lobe at all
   bool mirror;    // the lobe is a delta
 };
@@ -25,21 +29,34 @@ struct BsdfSample {
   bool mirror;
 };
 
-Bsdf makeBsdf(vec3 base, float metallic, float roughness, bool lambert) {
+// Reflectance of a dielectric along its normal and at grazing angles, [0, 1].
+struct Dielectric {
+  vec3 f0;
+  float f90;
+  bool tinted;
+};
+const Dielectric kIor15 = Dielectric(vec3(0.04), 1.0, false);
+
+Bsdf makeBsdf(vec3 base, float metallic, float roughness, bool lambert, Dielectric dielectric) {
   Bsdf b;
   b.specular = !lambert;
   b.diffuse = lambert ? base : base * (1.0 - metallic);
-  b.f0 = mix(vec3(0.04), base, metallic);
+  b.f0 = mix(dielectric.f0, base, metallic);
+  b.f90 = mix(dielectric.f90, 1.0, metallic);
+  b.tinted = dielectric.tinted;
   b.alpha = max(roughness * roughness, kMirrors ? 0.0 : kMirrorAlpha);
   b.mirror = kMirrors && b.specular && b.alpha < kMirrorAlpha;
   return b;
 }
 
-vec3 fresnel(vec3 f0, float cos_theta) {
+vec3 fresnel(Bsdf b, float cos_theta) {
+  const float f90 = kSpecular ? b.f90 : 1.0;
   const float m = clamp(1.0 - cos_theta, 0.0, 1.0);
   const float m2 = m * m;
-  return f0 + (1.0 - f0) * (m2 * m2 * m);
+  return b.f0 + (f90 - b.f0) * (m2 * m2 * m);
 }
+// What the specular lobe leaves to the diffuse one.
+vec3 remainder(Bsdf b, vec3 f) { return kSpecular && b.tinted ? vec3(1.0 - maxComponent(f)) : 1.0 - f; }
 
 float ggxD(vec3 h, float alpha) {
   const vec2 s = h.xy / alpha;
@@ -72,9 +89,10 @@ vec3 sampleVisibleNormal(vec3 wo, float alpha, vec2 u) {
 // Probability of sampling the specular lobe: its share of what is reflected about.
 float specularProbability(Bsdf b, vec3 wo) {
   if (!b.specular) return 0.0;
-  const vec3 f = fresnel(b.f0, wo.z);
+  const vec3 f = fresnel(b, wo.z);
   const float s = maxComponent(f);
-  const float d = maxComponent(b.diffuse * (1.0 - f));
+  const float d = maxComponent(b.diffuse * remainder(b, f));
+  if (kSpecular && s <= 0.0) return 0.0;
   return d <= 0.0 ? 1.0 : clamp(s / (s + d), 0.1, 0.9);
 }
 
@@ -88,9 +106,9 @@ vec3 evaluateBsdf(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
     return b.diffuse * pdf;
   }
   const vec3 h = normalize(wo + wi);
-  const vec3 f = fresnel(b.f0, dot(wo, h));
+  const vec3 f = fresnel(b, dot(wo, h));
   const float diffuse_pdf = wi.z * kInvPi;
-  vec3 value = (1.0 - f) * b.diffuse * diffuse_pdf;
+  vec3 value = remainder(b, f) * b.diffuse * diffuse_pdf;
   pdf = (1.0 - p) * diffuse_pdf;
   if (!b.mirror) {
     const float d = ggxD(h, b.alpha);
@@ -107,7 +125,7 @@ bool sampleBsdf(Bsdf b, vec3 wo, vec3 u, out BsdfSample s) {
   if (u.z < p) {
     if (b.mirror) {
       s.wi = vec3(-wo.xy, wo.z);
-      s.weight = fresnel(b.f0, wo.z) / p;
+      s.weight = fresnel(b, wo.z) / p;
       s.pdf = 0.0;
       s.mirror = true;
       return true;

@@ -9,5 +9,9 @@ layout(constant_id = 2) const bool kEmissiveTriangles = true;
 layout(constant_id = 3) const bool kSun = true;
 layout(constant_id = 4) const bool kSkyGradient = true;
 layout(constant_id = 5) const bool kMirrors = true;
+layout(constant_id = 6) const bool kUvChannels = true;
+layout(constant_id = 7) const bool kVertexColors = true;
+layout(constant_id = 8) const bool kSpecular = true;
+layout(constant_id = 9) const bool kUnlit = true;
 
 #endif

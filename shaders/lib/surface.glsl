@@ -35,11 +35,15 @@ vec3 toWorld(InstanceRecord instance, vec3 p) {
 vec3 vectorToWorld(InstanceRecord instance, vec3 v) {
   return vec3(dot(instance.rows[0].xyz, v), dot(instance.rows[1].xyz, v), dot(instance.rows[2].xyz, v));
 }
+// Whether its transform turns left to right.
+bool mirrors(InstanceRecord instance) {
+  return dot(instance.rows[0].xyz, cross(instance.rows[1].xyz, instance.rows[2].xyz)) < 0.0;
+}
 // By the cofactor matrix: right under non-uniform scale and mirroring, needs no inverse.
 vec3 normalToWorld(InstanceRecord instance, vec3 n) {
   const vec3 a = instance.rows[0].xyz, b = instance.rows[1].xyz, c = instance.rows[2].xyz;
   const vec3 v = vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n));
-  return dot(a, cross(b, c)) < 0.0 ? -v : v;
+  return mirrors(instance) ? -v : v;
 }
 
 float reachOf(Triangle t) { return maxComponent(max(abs(t.p[0]), max(abs(t.p[1]), abs(t.p[2])))); }
@@ -67,10 +71,45 @@ vec2 intersectPlane(Triangle t, vec3 origin, vec3 direction) {
   return b / max(1.0, b.x + b.y);
 }
 
-// Level of detail of a texture read [Akenine-Moeller et al. 2019, eq. 34]: `cone_width` is the ray cone's width at the hit.
-float lodOf(uint texture_index, float uv_per_world, float cone_width, float cos_theta) {
+// Where a hit lies in the plane of a texture.
+struct TexturePoint {
+  vec2 uv;
+  float footprint;  // of the ray cone, in uv
+};
+
+TexturePoint texturePoint(vec2 uv[3], vec3 w, float footprint_scale) {
+  const vec2 e1 = uv[1] - uv[0], e2 = uv[2] - uv[0];
+  return TexturePoint(uv[0] * w.x + uv[1] * w.y + uv[2] * w.z, sqrt(abs(e1.x * e2.y - e1.y * e2.x)) * footprint_scale);
+}
+
+// The same hit in another channel of texture coordinates, if the mesh has it.
+TexturePoint inChannel(uint slot, MaterialRecord material, Triangle t, TexturePoint channel0, vec3 w, float footprint_scale) {
+  const uint channel = bitfieldExtract(material.flags, int(kUvChannelShift + kUvChannelBits * slot), int(kUvChannelBits));
+  if (!kUvChannels || channel == 0u || t.geometry.extras == 0ul) return channel0;
+  const uint64_t address = VertexExtrasRef(t.geometry.extras).extras.uvs[channel - 1u];
+  if (address == 0ul) return channel0;
+  UvTable table = UvTable(address);
+  return texturePoint(vec2[3](table.items[t.vertices.x], table.items[t.vertices.y], table.items[t.vertices.z]), w, footprint_scale);
+}
+
+// Reads at the level of detail of the ray cone's footprint [Akenine-Moeller et al. 2019, eq. 34].
+vec4 readTexture(uint texture_index, TexturePoint p) {
   const vec2 size = vec2(textureSize(textures[nonuniformEXT(texture_index)], 0));
-  return 0.5 * log2(size.x * size.y) + log2(max(1e-12, uv_per_world * cone_width / max(abs(cos_theta), 0.02)));
+  const float lod = 0.5 * log2(size.x * size.y) + log2(max(1e-12, p.footprint));
+  return textureLod(textures[nonuniformEXT(texture_index)], p.uv, lod);
+}
+
+vec3 vertexColor(Triangle t, vec3 w) {
+  if (t.geometry.extras == 0ul) return vec3(1.0);
+  const uint64_t address = VertexExtrasRef(t.geometry.extras).extras.colors;
+  if (address == 0ul) return vec3(1.0);
+  ColorTable table = ColorTable(address);
+  vec3 color = vec3(0.0);
+  for (int i = 0; i < 3; ++i) {
+    const uvec2 packed_color = table.items[t.vertices[i]];
+    color += w[i] * vec3(unpackUnorm2x16(packed_color.x), unpackUnorm2x16(packed_color.y).x);
+  }
+  return color;
 }
 
 Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float cone_spread, vec3 origin) {
@@ -92,53 +131,72 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   s.geometric_normal = double_area > 0.0 ? scaled_normal / double_area : -direction;
   if (dot(s.geometric_normal, direction) > 0.0) s.geometric_normal = -s.geometric_normal;
 
-  // Interpolate the shading normal and bring it to the viewer's side.
+  // Interpolate the shading normal.
   vec3 normal = normalToWorld(instance, octahedral(a0.normal) * w.x + octahedral(a1.normal) * w.y + octahedral(a2.normal) * w.z);
   const float normal_length = length(normal);
   normal = normal_length > 1e-20 ? normal / normal_length : s.geometric_normal;
-  if (dot(normal, s.geometric_normal) < 0.0) normal = -normal;
+  const bool from_behind = dot(normal, s.geometric_normal) < 0.0;
 
   vec4 base = material.base_color;
   float metallic = material.metallic, roughness = material.roughness;
+  Dielectric dielectric = kIor15;
+  SpecularRecord specular;
+  const bool has_specular = kSpecular && material.specular != 0u;
+  if (has_specular) specular = SpecularRef(frame.materials + material.specular).specular;
   s.emission = material.emission;
   if (kTextures) {
-    const vec2 uv = a0.uv * w.x + a1.uv * w.y + a2.uv * w.z;
-    const vec2 uv1 = a1.uv - a0.uv, uv2 = a2.uv - a0.uv;
-    const float uv_per_world = sqrt(abs(uv1.x * uv2.y - uv1.y * uv2.x) / max(double_area, 1e-20));
     const float cone_width = cone_width_at_origin + cone_spread * distance(origin, s.position);
     const float cos_theta = dot(direction, s.geometric_normal);
+    const float scale = cone_width / (max(abs(cos_theta), 0.02) * sqrt(max(double_area, 1e-20)));
+    const TexturePoint p = texturePoint(vec2[3](a0.uv, a1.uv, a2.uv), w, scale);
     if (material.base_color_texture != kNoTexture)
-      base *= textureLod(textures[nonuniformEXT(material.base_color_texture)], uv,
-                         lodOf(material.base_color_texture, uv_per_world, cone_width, cos_theta));
+      base *= readTexture(material.base_color_texture, inChannel(kSlotBaseColor, material, t, p, w, scale));
     if (material.metallic_roughness_texture != kNoTexture) {
-      const vec4 mr = textureLod(textures[nonuniformEXT(material.metallic_roughness_texture)], uv,
-                                 lodOf(material.metallic_roughness_texture, uv_per_world, cone_width, cos_theta));
+      const vec4 mr = readTexture(material.metallic_roughness_texture, inChannel(kSlotMetallicRoughness, material, t, p, w, scale));
       roughness *= mr.g;
       metallic *= mr.b;
     }
     if (kEmissiveTriangles && material.emissive_texture != kNoTexture)
-      // The finest level, as light sampling reads it: both must see the same emitter, or their weights do not add up to 1.
-      s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], uv, 0.0).rgb;
+      // Channel 0 and the finest level, as light sampling reads it: both must see the same emitter, or their weights do not add
+      // up to 1.
+      s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], p.uv, 0.0).rgb;
     if (kNormalMaps && material.normal_texture != kNoTexture) {
       vec3 tangent = vectorToWorld(instance, octahedral(a0.tangent & ~1u) * w.x + octahedral(a1.tangent & ~1u) * w.y + octahedral(a2.tangent & ~1u) * w.z);
       tangent -= normal * dot(normal, tangent);
       const float tangent_length = length(tangent);
       if (tangent_length > 1e-20) {
         tangent /= tangent_length;
-        const float handedness = (a0.tangent & 1u) != 0u ? 1.0 : -1.0;
-        vec3 m = textureLod(textures[nonuniformEXT(material.normal_texture)], uv,
-                            lodOf(material.normal_texture, uv_per_world, cone_width, cos_theta)).xyz * 2.0 - 1.0;
+        // A cross product of what was mirrored is turned over: mirroring instances change the handedness.
+        const bool right_handed = ((a0.tangent & 1u) != 0u) != mirrors(instance);
+        const vec3 bitangent = right_handed ? cross(normal, tangent) : cross(tangent, normal);
+        vec3 m = readTexture(material.normal_texture, inChannel(kSlotNormal, material, t, p, w, scale)).xyz * 2.0 - 1.0;
         m.xy *= material.normal_scale;
-        normal = normalize(m.x * tangent + m.y * handedness * cross(normal, tangent) + max(m.z, 1e-3) * normal);
+        normal = normalize(m.x * tangent + m.y * bitangent + max(m.z, 1e-3) * normal);
       }
     }
+    if (has_specular && specular.texture != kNoTexture)
+      specular.weight *= readTexture(specular.texture, inChannel(kSlotSpecular, material, t, p, w, scale)).a;
+    if (has_specular && specular.color_texture != kNoTexture)
+      specular.f0 *= readTexture(specular.color_texture, inChannel(kSlotSpecularColor, material, t, p, w, scale)).rgb;
+  }
+  if (kVertexColors) base.rgb *= vertexColor(t, w);
+  if (has_specular)
+    dielectric = Dielectric(min(specular.f0, vec3(1.0)) * specular.weight, specular.f90 * specular.weight,
+                            (material.flags & kMaterialTintedSpecular) != 0u);
+  bool lambert = (material.flags & kMaterialLambert) != 0u;
+  if (kUnlit && (material.flags & kMaterialUnlit) != 0u) {
+    s.emission = base.rgb;
+    base.rgb = vec3(0.0);
+    lambert = true;
   }
 
+  // Bring the shading normal to the viewer's side.
+  if (from_behind) normal = -normal;
   // A shading normal that faces away from the viewer is bent back until it just faces them.
   const float facing = dot(normal, -direction);
   if (facing < 1e-3) normal = normalize(normal + (1e-3 - facing) * -direction);
   s.frame_ = basis(normal);
-  s.bsdf = makeBsdf(base.rgb, metallic, roughness, (material.flags & kMaterialLambert) != 0u);
+  s.bsdf = makeBsdf(base.rgb, metallic, roughness, lambert, dielectric);
 
   // p(this point | instance) by area = p(triangle | mesh) / area.
   s.slot = hit.slot;

@@ -12,6 +12,10 @@ layout(buffer_reference, scalar) readonly buffer MaterialTable { MaterialRecord 
 layout(buffer_reference, scalar) readonly buffer EmitterInstanceTable { EmitterInstance items[]; };
 layout(buffer_reference, scalar) readonly buffer EmitterTriangleTable { EmitterTriangle items[]; };
 layout(buffer_reference, scalar) readonly buffer LightCellTable { LightCell items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SpecularRef { SpecularRecord specular; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VertexExtrasRef { VertexExtras extras; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer UvTable { vec2 items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer ColorTable { uvec2 items[]; };
 layout(buffer_reference, scalar) readonly buffer PositionTable { vec3 items[]; };
 layout(buffer_reference, scalar) readonly buffer AttributeTable { VertexAttributes items[]; };
 layout(buffer_reference, scalar) readonly buffer IndexTable { uint items[]; };

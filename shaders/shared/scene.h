@@ -11,7 +11,20 @@ HELIO_SHARED_BEGIN
 HELIO_CONSTANT kNoTexture = 0xffffffffu;
 HELIO_CONSTANT kNoMesh = 0xffffffffu;
 
-HELIO_CONSTANT kMaterialLambert = 1u;  // two-sided Lambert, no specular lobe
+// MaterialRecord.flags
+HELIO_CONSTANT kMaterialLambert = 1u;         // two-sided Lambert, no specular lobe
+HELIO_CONSTANT kMaterialUnlit = 2u;           // shines with its base colour, reflects nothing
+HELIO_CONSTANT kMaterialTintedSpecular = 4u;  // a dielectric whose reflection has a colour
+// From this bit on: three bits a texture slot, the channel of texture coordinates that it reads.
+HELIO_CONSTANT kUvChannelShift = 8u;
+HELIO_CONSTANT kUvChannelBits = 3u;
+HELIO_CONSTANT kSlotBaseColor = 0u;
+HELIO_CONSTANT kSlotNormal = 1u;
+HELIO_CONSTANT kSlotMetallicRoughness = 2u;
+HELIO_CONSTANT kSlotEmissive = 3u;  // always channel 0
+HELIO_CONSTANT kSlotSpecular = 4u;
+HELIO_CONSTANT kSlotSpecularColor = 5u;
+HELIO_CONSTANT kTextureSlots = 6u;
 
 // Visibility masks of rays and instances (the LiPaC paper's classes get the further bits).
 HELIO_CONSTANT kMaskSolid = 1u;
@@ -24,11 +37,18 @@ struct VertexAttributes {
   vec2 uv;
 };
 
+// What only some meshes have, by address: 0 where this one has not.
+struct VertexExtras {
+  uint64_t colors;                  // uvec2 a vertex: RGBA as unorm16
+  uint64_t uvs[kTextureSlots - 1];  // of channel 1 and up: vec2 a vertex
+};
+
 // The triangles of one submesh.
 struct GeometryRecord {
   uint64_t positions;   // float3 a vertex
   uint64_t attributes;  // VertexAttributes a vertex
   uint64_t indices;     // uint, three a triangle
+  uint64_t extras;      // VertexExtras; 0: none
   uint material;
   uint emitter_offset;  // of this geometry's first triangle among its mesh's emissive triangles; kNoTexture: not
                         // emissive
@@ -53,6 +73,17 @@ struct MaterialRecord {
   uint metallic_roughness_texture;
   uint emissive_texture;
   uint flags;
+  uint specular;  // bytes from the material table's first to this material's SpecularRecord; 0: a dielectric of ior 1.5
+};
+
+// A dielectric's reflection where it is not that of ior 1.5 [KHR_materials_ior, KHR_materials_specular]. Lies behind
+// the material table.
+struct SpecularRecord {
+  vec3 f0;    // along the normal, before `weight`; clamped to 1 behind the texture
+  float f90;  // at grazing angles, before `weight`
+  float weight;
+  uint texture;        // A multiplies the weight
+  uint color_texture;  // RGB multiplies f0
 };
 
 // Rows of the object-to-world matrix: what VkTransformMatrixKHR holds too.
