@@ -11,8 +11,8 @@ namespace {
 /// A shader module that lives as long as the pipeline's creation.
 class Module {
  public:
-  Module(Device& device, const std::string& shader) : device_(device) {
-    const std::span<const uint32_t> words = shaders::find(shader);
+  Module(Device& device, const std::string& shader) : Module(device, shader, shaders::find(shader)) {}
+  Module(Device& device, const std::string& shader, std::span<const uint32_t> words) : device_(device) {
     if (words.empty()) throw Failure({ErrorKind::internal, "no shader '" + shader + "' in this build", {}, {}, {}});
     VkShaderModuleCreateInfo info{VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO};
     info.codeSize = words.size_bytes();
@@ -57,15 +57,18 @@ Pipeline::~Pipeline() {
   if (handle_) vkDestroyPipeline(device_->handle(), handle_, nullptr);
 }
 
-ComputePipeline::ComputePipeline(Device& device, const std::string& shader, const Specialisation& values) {
+ComputePipeline::ComputePipeline(Device& device, const std::string& shader, const Specialisation& values)
+    : ComputePipeline(device, shader, shaders::find(shader), values) {}
+
+ComputePipeline::ComputePipeline(Device& device, const std::string& name, std::span<const uint32_t> words,
+                                 const Specialisation& values) {
   device_ = &device;
-  const Module module(device, shader);
+  const Module module(device, name, words);
   const Constants constants(values);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = stage(VK_SHADER_STAGE_COMPUTE_BIT, module, constants);
   info.layout = device.pipelineLayout();
-  check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_),
-        "the pipeline " + shader);
+  check(vkCreateComputePipelines(device.handle(), VK_NULL_HANDLE, 1, &info, nullptr, &handle_), "the pipeline " + name);
 }
 
 RasterPipeline::RasterPipeline(Device& device, const RasterDescription& description) {

@@ -40,6 +40,9 @@ class ComputePipeline : public Pipeline {
  public:
   ComputePipeline() = default;
   ComputePipeline(Device& device, const std::string& shader, const Specialisation& constants = {});
+  /// From the words of a module that is not below shaders/; `name` is for messages.
+  ComputePipeline(Device& device, const std::string& name, std::span<const uint32_t> words,
+                  const Specialisation& constants = {});
 };
 
 struct RasterDescription {

@@ -1,0 +1,17 @@
+// The SPIR-V modules of tests/shaders, compiled at build time and embedded in the test programs.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace helio::test::shaders {
+
+// The words of the module compiled from tests/shaders/<name>, e.g. find("random.comp"); they live as long as the
+// program. Empty when there is no such shader.
+std::span<const std::uint32_t> find(std::string_view name);
+
+// The names that find() knows, in ascending order.
+std::span<const std::string_view> names();
+
+}  // namespace helio::test::shaders

@@ -1,0 +1,94 @@
+// Random numbers: each uniform, and neighbours of any kind independent.
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "probe.h"
+#include "support/hypothesis.h"
+
+namespace helio::test {
+namespace {
+
+using shared::RandomQuestion;
+
+std::vector<glm::vec4> numbersAt(const std::vector<RandomQuestion>& questions) {
+  return probe().ask<glm::vec4, RandomQuestion>("random.comp", {}, questions);
+}
+
+size_t bin(float u, size_t bins) { return static_cast<size_t>(u * static_cast<float>(bins)); }
+
+/// p-value of "the pairs fill the unit square evenly", which holds when both are uniform and independent.
+double evenly(const std::vector<float>& a, const std::vector<float>& b) {
+  constexpr size_t kBins = 64;
+  std::vector<double> observed(kBins * kBins);
+  const std::vector<double> expected(observed.size(),
+                                     static_cast<double>(a.size()) / static_cast<double>(observed.size()));
+  for (size_t i = 0; i < a.size(); ++i) observed.at(bin(a[i], kBins) * kBins + bin(b[i], kBins)) += 1.0;
+  return chiSquare(observed, expected).p;
+}
+
+std::vector<float> component(const std::vector<glm::vec4>& numbers, int c) {
+  std::vector<float> result;
+  for (const glm::vec4& v : numbers) result.push_back(v[c]);
+  return result;
+}
+
+/// Pictures of 100 x 100 pixels, 20 samples, 5 dimensions from `first_sample` and `first_dimension` on.
+std::vector<RandomQuestion> grid(uint32_t first_sample, uint32_t first_dimension) {
+  std::vector<RandomQuestion> questions;
+  for (uint32_t dimension = 0; dimension < 5; ++dimension)
+    for (uint32_t sample = 0; sample < 20; ++sample)
+      for (uint32_t y = 0; y < 100; ++y)
+        for (uint32_t x = 0; x < 100; ++x)
+          questions.push_back({x, y, first_sample + sample, first_dimension + dimension});
+  return questions;
+}
+
+TEST(Random, NumbersLieInTheUnitInterval) {
+  for (const glm::vec4& v : numbersAt(grid(0, 0)))
+    for (int c = 0; c < 4; ++c) {
+      ASSERT_GE(v[c], 0.0f);
+      ASSERT_LT(v[c], 1.0f);
+    }
+}
+
+// One number against another of the same draw, and against the same of the next pixel, row, sample and dimension: each
+// chi-square over 64 x 64 cells also tests that both are uniform.
+TEST(Random, NeighboursAreUniformAndIndependent) {
+  struct Neighbour {
+    const char* name;
+    std::function<void(RandomQuestion&)> step;
+  };
+  const std::vector<Neighbour> neighbours = {
+      {"the pixel to the right", [](RandomQuestion& q) { q.x += 1; }},
+      {"the pixel below", [](RandomQuestion& q) { q.y += 1; }},
+      {"the diagonal pixel", [](RandomQuestion& q) { ++q.x, ++q.y; }},
+      {"the next sample", [](RandomQuestion& q) { q.sample_index += 1; }},
+      {"the 256th next sample", [](RandomQuestion& q) { q.sample_index += 256; }},
+      {"the next dimension", [](RandomQuestion& q) { q.dimension += 1; }},
+      {"the next sample, one dimension back", [](RandomQuestion& q) { ++q.sample_index, --q.dimension; }}};
+  const size_t tests = 4 * neighbours.size() + 6;
+  const std::vector<RandomQuestion> here = grid(3, 1);
+  const std::vector<glm::vec4> numbers = numbersAt(here);
+  for (int c = 0; c < 4; ++c)
+    for (int d = c + 1; d < 4; ++d)
+      EXPECT_GE(evenly(component(numbers, c), component(numbers, d)), sidak(0.01, tests)) << c << " and " << d;
+  for (const Neighbour& neighbour : neighbours) {
+    std::vector<RandomQuestion> there = here;
+    for (RandomQuestion& q : there) neighbour.step(q);
+    const std::vector<glm::vec4> others = numbersAt(there);
+    for (int c = 0; c < 4; ++c)
+      EXPECT_GE(evenly(component(numbers, c), component(others, c)), sidak(0.01, tests))
+          << "component " << c << " and that of " << neighbour.name;
+  }
+}
+
+// A path that runs for hours: sample indices near the end of their range are as good as the first.
+TEST(Random, LateSamplesAreUniform) {
+  const std::vector<glm::vec4> numbers = numbersAt(grid(0xffffff00u, 200));
+  EXPECT_GE(evenly(component(numbers, 0), component(numbers, 1)), sidak(0.01, 2));
+  EXPECT_GE(evenly(component(numbers, 2), component(numbers, 3)), sidak(0.01, 2));
+}
+
+}  // namespace
+}  // namespace helio::test
