@@ -185,7 +185,7 @@ TEST(Bsdf, LambertInAFurnace) {
 
 // What single scattering by GGX with height-correlated Smith leaves of a white furnace (F = 1): the reference row
 // furnace_metal. Each row is the mean over a picture's disc of 0.9 radii around a sphere of radius 1, 60 m before the
-// camera and `aside`; perspective stretches the outer spheres, which moves the last row from 0.369 to 0.364.
+// camera and `aside`; perspective stretches the outer spheres, which moves the last row from 0.369 to 0.366.
 TEST(Bsdf, MetalInAFurnaceLosesWhatSingleScatteringLoses) {
   struct Row {
     float roughness;

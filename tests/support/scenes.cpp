@@ -137,4 +137,49 @@ scene::ScenePtr stillLife() {
   return b.build();
 }
 
+scene::ScenePtr lampRoom() {
+  SceneBuilder b;
+  const auto side = [](const glm::vec3& x, const glm::vec3& y, const glm::vec3& z, const glm::vec3& at) {
+    return glm::mat4x3(x, y, z, at);  // a quad's axes: y is its normal
+  };
+  const glm::vec3 X(1, 0, 0), Y(0, 1, 0), Z(0, 0, 1);
+  const uint32_t white = b.material(lambert(glm::vec3(0.7f)));
+  const uint32_t wall = b.prefab("wall", quad(4.0f), white);
+  b.place(wall, side(X, Y, Z, {0, 0, 0}));
+  b.place(wall, side(X, -Y, -Z, {0, 4, 0}));
+  b.place(wall, side(X, Z, -Y, {0, 2, -2}));
+  b.place(b.prefab("red", quad(4.0f), b.material(lambert({0.7f, 0.08f, 0.06f}))), side(-Y, X, Z, {-2, 2, 0}));
+  b.place(b.prefab("green", quad(4.0f), b.material(lambert({0.1f, 0.6f, 0.12f}))), side(Y, -X, Z, {2, 2, 0}));
+  b.place(b.prefab("panel", quad(1.6f), b.material(lambert(glm::vec3(0.2f), {6.0f, 5.5f, 4.5f}))), at({0, 3.95f, 0}));
+  b.place(b.prefab("lamp", sphere(8), b.material(lambert(glm::vec3(0.0f), {2.0f, 4.0f, 9.0f}))),
+          at({1.2f, 0.7f, 0.9f}, 0.35f));
+  scene::Material coated;
+  coated.base_color = {0.6f, 0.5f, 0.2f, 1.0f};
+  coated.roughness = 0.35f;
+  b.place(b.prefab("box", cube(), b.material(coated)),
+          side({0.9f, 0, 0.4f}, {0, 1.4f, 0}, {-0.4f, 0, 0.9f}, {-0.9f, 0.7f, -0.7f}));
+  b.place(b.prefab("gold", sphere(16), b.material(metal({0.95f, 0.7f, 0.3f}, 0.3f))), at({0.5f, 0.6f, -0.6f}, 0.6f));
+  b.place(b.prefab("silver", sphere(16), b.material(metal({0.9f, 0.9f, 0.95f}, 0.6f))), at({-0.2f, 0.4f, 0.8f}, 0.4f));
+  return b.build();
+}
+
+scene::ScenePtr sunlitPatch() {
+  SceneBuilder b;
+  scene::Material coated;
+  coated.base_color = {0.3f, 0.45f, 0.6f, 1.0f};
+  coated.roughness = 0.5f;
+  scene::Material half = metal({0.8f, 0.5f, 0.4f}, 0.4f);
+  half.metallic = 0.5f;
+  b.place(b.prefab("ground", quad(30.0f), b.material(lambert({0.6f, 0.5f, 0.4f}))));
+  b.place(b.prefab("coated", cube(), b.material(coated)), at({-1.3f, 0.51f, 0.3f}));
+  b.place(b.prefab("half", cube(), b.material(half)), at({0.1f, 0.41f, -1.4f}, 0.8f));
+  b.place(b.prefab("mirror", sphere(16), b.material(metal(glm::vec3(0.9f), 0.0f))), at({0.2f, 0.51f, 0.4f}, 0.5f));
+  b.place(b.prefab("metal", sphere(16), b.material(metal({0.9f, 0.7f, 0.4f}, 0.25f))), at({1.4f, 0.51f, 0.1f}, 0.5f));
+  b.place(b.prefab("lamp", sphere(6), b.material(lambert(glm::vec3(0.3f), {3.0f, 2.0f, 1.0f}))),
+          at({-0.6f, 1.5f, -0.6f}, 0.4f));
+  b.environment().sun = {glm::normalize(glm::vec3(0.5f, -1.0f, -0.4f)), {3.0f, 2.8f, 2.5f}, 0.45f};
+  b.environment().sky = {{0.4f, 0.6f, 1.0f}, {0.5f, 0.45f, 0.4f}};
+  return b.build();
+}
+
 }  // namespace helio::test
