@@ -80,7 +80,8 @@ std::optional<Intersection> Geometry::intersect(const Ray& ray, double least) co
     // Written so that a NaN, from a ray within a face of the box, counts as a hit.
     const double enter = std::max({near3.x, near3.y, near3.z}), leave = std::min({far3.x, far3.y, far3.z});
     if (enter > leave * (1.0 + 1e-12) || leave < 0.0 || enter > best.t) continue;
-    for (uint32_t i = node.first; i < node.first + node.count; ++i) judge::intersect(triangles_[i], i, ray, least, best);
+    for (uint32_t i = node.first; i < node.first + node.count; ++i)
+      judge::intersect(triangles_[i], i, ray, least, best);
     if (node.count == 0 && depth + 2 <= stack.size()) {
       stack[depth++] = node.first;
       stack[depth++] = node.first + 1;

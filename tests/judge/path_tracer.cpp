@@ -25,7 +25,8 @@ Ray cameraRay(const scene::Camera& camera, const Picture& picture, double x, dou
   const glm::dvec3 up = glm::cross(right, forward);
   const double half_height = std::tan(0.5 * static_cast<double>(camera.vfov));
   const double half_width = half_height * picture.width / picture.height;
-  const double across = (2.0 * x / picture.width - 1.0) * half_width, down = (2.0 * y / picture.height - 1.0) * half_height;
+  const double across = (2.0 * x / picture.width - 1.0) * half_width,
+               down = (2.0 * y / picture.height - 1.0) * half_height;
   return {glm::dvec3(camera.position), glm::normalize(forward + across * right - down * up)};
 }
 
@@ -36,15 +37,16 @@ PathTracer::PathTracer(scene::ScenePtr scene) : scene_(std::move(scene)), geomet
     if (m.base_color_texture != scene::kNone || m.normal_texture != scene::kNone ||
         m.metallic_roughness_texture != scene::kNone || m.emissive_texture != scene::kNone)
       throw std::invalid_argument("the material '" + m.name + "' has a texture; the judge knows none");
-    materials_.push_back({glm::dvec3(m.base_color), static_cast<double>(m.metallic), static_cast<double>(m.roughness),
-                          m.lambert});
+    materials_.push_back(
+        {glm::dvec3(m.base_color), static_cast<double>(m.metallic), static_cast<double>(m.roughness), m.lambert});
   }
 }
 
 PathTracer::Surface PathTracer::surfaceAt(const Ray& ray, const Intersection& hit) const {
   const Triangle& t = geometry_.triangle(hit.triangle);
   Surface s{ray.origin + hit.t * ray.direction, glm::normalize(glm::cross(t.p[1] - t.p[0], t.p[2] - t.p[0])),
-            glm::normalize((1.0 - hit.u - hit.v) * t.normal[0] + hit.u * t.normal[1] + hit.v * t.normal[2]), t.material};
+            glm::normalize((1.0 - hit.u - hit.v) * t.normal[0] + hit.u * t.normal[1] + hit.v * t.normal[2]),
+            t.material};
   if (glm::dot(s.geometric_normal, ray.direction) > 0.0) s.geometric_normal = -s.geometric_normal;
   if (glm::dot(s.normal, s.geometric_normal) < 0.0) s.normal = -s.normal;
   const double facing = -glm::dot(s.normal, ray.direction);
@@ -54,7 +56,8 @@ PathTracer::Surface PathTracer::surfaceAt(const Ray& ray, const Intersection& hi
 
 glm::dvec3 PathTracer::fromInfinity(const glm::dvec3& direction, bool scattered) const {
   const scene::Environment& environment = scene_->environment;
-  glm::dvec3 light = glm::mix(glm::dvec3(environment.sky.ground), glm::dvec3(environment.sky.zenith), 0.5 + 0.5 * direction.y);
+  glm::dvec3 light =
+      glm::mix(glm::dvec3(environment.sky.ground), glm::dvec3(environment.sky.zenith), 0.5 + 0.5 * direction.y);
   // The sun's disc is not shown to the camera. Its radiance L gives the irradiance L pi sin^2.
   const glm::dvec3 towards = -glm::normalize(glm::dvec3(environment.sun.direction));
   const double half_angle = 0.5 * static_cast<double>(environment.sun.angular_diameter);
@@ -81,8 +84,8 @@ glm::dvec3 PathTracer::radiance(Ray ray, uint32_t bounces, std::mt19937_64& rand
   }
 }
 
-std::vector<std::vector<double>> PathTracer::render(const scene::Camera& camera, const Picture& picture, uint32_t samples,
-                                                    uint32_t batches, uint64_t seed) const {
+std::vector<std::vector<double>> PathTracer::render(const scene::Camera& camera, const Picture& picture,
+                                                    uint32_t samples, uint32_t batches, uint64_t seed) const {
   std::vector<std::vector<double>> result(batches, std::vector<double>(size_t{3} * picture.width * picture.height));
   std::atomic<uint32_t> next{0};
   const auto work = [&] {

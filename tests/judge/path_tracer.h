@@ -1,5 +1,5 @@
-// The second implementation: a plain path tracer in double that samples the BSDF and nothing else, so that it shares neither
-// code nor method with the renderer it judges. Slow, and as simple as the rendering equation [Kajiya 1986].
+// The second implementation: a plain path tracer in double that samples the BSDF and nothing else, so that it shares
+// neither code nor method with the renderer it judges. Slow, and as simple as the rendering equation [Kajiya 1986].
 #pragma once
 
 #include "judge/bsdf.h"
@@ -18,8 +18,8 @@ class PathTracer {
   /// Throws std::invalid_argument for textures, which it does not know.
   explicit PathTracer(scene::ScenePtr scene);
 
-  /// Independent pictures, of `samples` paths a pixel each: rows top-down, three values a pixel, W/(sr m^2). The same seed
-  /// gives the same pictures.
+  /// Independent pictures, of `samples` paths a pixel each: rows top-down, three values a pixel, W/(sr m^2). The same
+  /// seed gives the same pictures.
   std::vector<std::vector<double>> render(const scene::Camera& camera, const Picture& picture, uint32_t samples,
                                           uint32_t batches, uint64_t seed) const;
 

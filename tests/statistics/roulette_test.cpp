@@ -1,5 +1,5 @@
-// Unbiasedness: Russian roulette on against off, texel by texel [correctness: z-tests]. In this renderer one switch covers the
-// roulette of paths, of faint shadow rays and of lamps that add little.
+// Unbiasedness: Russian roulette on against off, texel by texel [correctness: z-tests]. In this renderer one switch
+// covers the roulette of paths, of faint shadow rays and of lamps that add little.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,8 +33,10 @@ void expectRouletteUnbiased(const scene::ScenePtr& scene, const scene::Camera& c
   // What hides in the noise of a texel shows over blocks, and over the whole picture.
   for (size_t c = 0; c < 3; ++c)
     for (const uint32_t block : {8u, kWidth}) {
-      const std::vector<double> p = paired(blocks(channel(with, c), kWidth, block), blocks(channel(without, c), kWidth, block));
-      EXPECT_GE(*std::min_element(p.begin(), p.end()), sidak(kAlpha, 3 * p.size())) << "channel " << c << ", blocks of " << block;
+      const std::vector<double> p =
+          paired(blocks(channel(with, c), kWidth, block), blocks(channel(without, c), kWidth, block));
+      EXPECT_GE(*std::min_element(p.begin(), p.end()), sidak(kAlpha, 3 * p.size()))
+          << "channel " << c << ", blocks of " << block;
     }
 }
 
