@@ -14,5 +14,5 @@ find_program(GLSLANG glslangValidator REQUIRED)
 find_program(SPIRV_VAL spirv-val REQUIRED)
 if(HELIOGRAPH_TESTS)
   find_package(GTest REQUIRED)
-  find_package(Boost REQUIRED)     # headers of Boost.Math: the distributions of the statistical tests
+  find_package(Boost CONFIG REQUIRED)   # headers of Boost.Math: the distributions of the statistical tests
 endif()
