@@ -137,7 +137,7 @@ scene::ScenePtr stillLife() {
   return b.build();
 }
 
-scene::ScenePtr lampRoom() {
+scene::ScenePtr lampRoom(float brightness) {
   SceneBuilder b;
   const auto side = [](const glm::vec3& x, const glm::vec3& y, const glm::vec3& z, const glm::vec3& at) {
     return glm::mat4x3(x, y, z, at);  // a quad's axes: y is its normal
@@ -150,8 +150,9 @@ scene::ScenePtr lampRoom() {
   b.place(wall, side(X, Z, -Y, {0, 2, -2}));
   b.place(b.prefab("red", quad(4.0f), b.material(lambert({0.7f, 0.08f, 0.06f}))), side(-Y, X, Z, {-2, 2, 0}));
   b.place(b.prefab("green", quad(4.0f), b.material(lambert({0.1f, 0.6f, 0.12f}))), side(Y, -X, Z, {2, 2, 0}));
-  b.place(b.prefab("panel", quad(1.6f), b.material(lambert(glm::vec3(0.2f), {6.0f, 5.5f, 4.5f}))), at({0, 3.95f, 0}));
-  b.place(b.prefab("lamp", sphere(8), b.material(lambert(glm::vec3(0.0f), {2.0f, 4.0f, 9.0f}))),
+  b.place(b.prefab("panel", quad(1.6f), b.material(lambert(glm::vec3(0.2f), brightness * glm::vec3(6.0f, 5.5f, 4.5f)))),
+          at({0, 3.95f, 0}));
+  b.place(b.prefab("lamp", sphere(8), b.material(lambert(glm::vec3(0.0f), brightness * glm::vec3(2.0f, 4.0f, 9.0f)))),
           at({1.2f, 0.7f, 0.9f}, 0.35f));
   scene::Material coated;
   coated.base_color = {0.6f, 0.5f, 0.2f, 1.0f};

@@ -40,8 +40,9 @@ scene::Camera lookAt(const glm::vec3& from, const glm::vec3& to, float vfov = 0.
 /// A patch of everything: a plane, cubes, a mirror sphere, a textured and normal-mapped cube, a lamp, sun and sky.
 scene::ScenePtr stillLife();
 
-/// A room of coloured walls, open towards +z under a black sky: two lamps, a box, balls of rough metal.
-scene::ScenePtr lampRoom();
+/// A room of coloured walls, open towards +z under a black sky: two lamps, a box, balls of rough metal. `brightness`
+/// scales the lamps.
+scene::ScenePtr lampRoom(float brightness = 1.0f);
 /// A ground under a wide sun and a sky gradient: a mirror, metals, coated and plain boxes, a lamp. No textures.
 scene::ScenePtr sunlitPatch();
 
