@@ -23,6 +23,9 @@ struct ProbeConstants {
   float metallic;
   float roughness;
   uint lambert;
+  // Of the low-discrepancy sampler (SampleConstants).
+  uint seed;
+  uint log2_samples;
 };
 HELIO_CONSTANT kProbeGroup = 256u;
 
@@ -72,7 +75,7 @@ struct RandomQuestion {
   uint x;
   uint y;
   uint sample_index;
-  uint dimension;
+  uint dimension;  // or decision
 };
 
 HELIO_SHARED_END

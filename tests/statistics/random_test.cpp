@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "probe.h"
+#include "shared/frame.h"
 #include "support/hypothesis.h"
 
 namespace helio::test {
@@ -88,6 +89,41 @@ TEST(Random, LateSamplesAreUniform) {
   const std::vector<glm::vec4> numbers = numbersAt(grid(0xffffff00u, 200));
   EXPECT_GE(evenly(component(numbers, 0), component(numbers, 1)), sidak(0.01, 2));
   EXPECT_GE(evenly(component(numbers, 2), component(numbers, 3)), sidak(0.01, 2));
+}
+
+// ---- Low-discrepancy samples ----
+
+/// Samples of lib/sampler.glsl for blocks of 2^log2_samples a pixel: xy the point, z the number beside it.
+std::vector<glm::vec4> pathSamplesAt(const std::vector<RandomQuestion>& questions, uint32_t seed,
+                                     uint32_t log2_samples) {
+  const gpu::Buffer buffer(probe().device(), {"frame constants", sizeof(shared::FrameConstants),
+                                              gpu::MemoryCategory::transfer, gpu::Placement::upload});
+  const shared::FrameConstants frame{};  // independent_samples: 0
+  std::memcpy(buffer.mapped(), &frame, sizeof frame);
+  shared::ProbeConstants constants{};
+  constants.frame = buffer.address();
+  constants.seed = seed;
+  constants.log2_samples = log2_samples;
+  return probe().ask<glm::vec4, RandomQuestion>("path_sample.comp", constants, questions);
+}
+
+// The samples of a pixel are a (0, 6, 2)-net in base 2: each of the 64 dyadic boxes of area 1 / 64, of every shape,
+// holds one point. The first and the later blocks, in every pixel, for every decision.
+TEST(PathSamples, APixelsBlockIsANet) {
+  for (const uint32_t first_sample : {0u, 64u, 640u})
+    for (uint32_t pixel = 0; pixel < 200; ++pixel) {
+      std::vector<RandomQuestion> questions;
+      const uint32_t decision = 1 + pixel % 60;
+      for (uint32_t i = 0; i < 64; ++i)
+        questions.push_back({pixel * 37 % 1000, pixel * 101 % 700, first_sample + i, decision});
+      const std::vector<glm::vec4> points = pathSamplesAt(questions, 5, 6);
+      for (uint32_t columns = 1; columns <= 64; columns *= 2) {
+        std::vector<int> held(64);
+        const uint32_t rows = 64 / columns;
+        for (const glm::vec4& p : points) ++held.at(bin(p.x, columns) * rows + bin(p.y, rows));
+        for (const int n : held) ASSERT_EQ(n, 1) << "pixel " << pixel << ", " << columns << " columns";
+      }
+    }
 }
 
 }  // namespace
