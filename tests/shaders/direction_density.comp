@@ -11,7 +11,7 @@ layout(buffer_reference, scalar) writeonly buffer Answers { DirectionDensity ite
 DirectionDensity density(vec3 wo, vec3 wi) {
   DirectionDensity answer = DirectionDensity(vec3(0.0), 0.0);
   if (probe.routine == kSampleBsdf) {
-    answer.value = evaluateBsdf(makeBsdf(probe.base, probe.metallic, probe.roughness, probe.lambert != 0u), wo, wi, answer.pdf);
+    answer.value = evaluateBsdf(makeBsdf(probe.base, probe.metallic, probe.roughness, probe.lambert != 0u, kIor15), wo, wi, answer.pdf);
   } else if (probe.routine == kSampleVisibleNormal) {
     // Distribution of visible normals: G1 D (wo . h) / cos(wo) [Heitz 2018, eq. 1].
     const float alpha = probe.roughness * probe.roughness;

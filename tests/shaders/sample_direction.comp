@@ -12,7 +12,7 @@ DirectionDrawn draw(vec3 wo, vec3 u) {
   DirectionDrawn drawn = DirectionDrawn(vec3(0.0), 0.0, vec3(0.0));
   if (probe.routine == kSampleBsdf) {
     BsdfSample s;
-    if (sampleBsdf(makeBsdf(probe.base, probe.metallic, probe.roughness, probe.lambert != 0u), wo, u, s))
+    if (sampleBsdf(makeBsdf(probe.base, probe.metallic, probe.roughness, probe.lambert != 0u, kIor15), wo, u, s))
       drawn = DirectionDrawn(s.wi, s.mirror ? -1.0 : s.pdf, s.weight);
   } else if (probe.routine == kSampleVisibleNormal) {
     drawn = DirectionDrawn(sampleVisibleNormal(wo, probe.roughness * probe.roughness, u.xy), 1.0, vec3(1.0));
