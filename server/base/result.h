@@ -16,6 +16,7 @@ enum class ErrorKind {
   conflict,     ///< an expectation about state does not hold: ABORTED
   unsupported,  ///< well-formed, but needs something that this build or device does not have: FAILED_PRECONDITION
   unavailable,  ///< loading, draining, elsewhere: UNAVAILABLE
+  damaged,      ///< what was stored does not read back as it was written: DATA_LOSS
   internal,     ///< our own fault: INTERNAL
 };
 

@@ -1,10 +1,10 @@
 // The backend without durability: for tests, for demonstrations, and as the shortest reading of what a backend must do.
 #include <algorithm>
+#include <deque>
+#include <map>
 #include <mutex>
 #include <unordered_map>
 #include <utility>
-
-#include <spdlog/fmt/fmt.h>
 
 #include "store/edit_log.h"
 #include "store/watchers.h"
@@ -26,11 +26,11 @@ class MemoryEditLog final : public EditLog {
       const auto entry = logs_.find(world);
       if (entry == logs_.end() || entry->second.epoch != epoch) return Append::fenced;
       Log& log = entry->second;
-      if (log.seq_of_request.count(record.request_id) != 0) return Append::ok;
-      if (record.seq != log.records.size() + 1) return Append::out_of_order;
+      if (log.receipts.count(record.request_id) != 0) return Append::ok;
+      if (record.seq != log.lastSeq() + 1) return Append::out_of_order;
 
       log.records.push_back(std::make_shared<const Record>(record));
-      if (!record.request_id.empty()) log.seq_of_request.emplace(record.request_id, record.seq);
+      if (!record.request_id.empty()) log.receipts.emplace(record.request_id, Receipt{record.seq, record.receipt});
       const auto watched = watchers_.find(world);
       if (watched != watchers_.end()) {
         watchers = watched->second;
@@ -41,21 +41,23 @@ class MemoryEditLog final : public EditLog {
     return Append::ok;
   }
 
-  std::optional<uint64_t> find(const std::string& world, const std::string& request_id) const override {
+  Result<std::optional<Receipt>> receipt(const std::string& world, const std::string& request_id) const override {
     const std::lock_guard lock(mutex_);
     const auto entry = logs_.find(world);
-    if (entry == logs_.end()) return std::nullopt;
-    const auto request = entry->second.seq_of_request.find(request_id);
-    if (request == entry->second.seq_of_request.end()) return std::nullopt;
-    return request->second;
+    if (entry == logs_.end()) return std::optional<Receipt>();
+    const auto found = entry->second.receipts.find(request_id);
+    if (found == entry->second.receipts.end()) return std::optional<Receipt>();
+    return std::optional(found->second);
   }
 
   Result<std::vector<Record>> read(const std::string& world, uint64_t after, size_t limit) const override {
     const std::lock_guard lock(mutex_);
     const auto entry = logs_.find(world);
     if (entry == logs_.end()) return noSuchWorld(world);
-    const std::vector<RecordPtr>& records = entry->second.records;
-    const size_t first = std::min<uint64_t>(after, records.size());  // the record of seq is at seq - 1
+    const std::deque<RecordPtr>& records = entry->second.records;
+    const uint64_t forgotten = entry->second.forgotten;
+    if (after < forgotten) return alreadyTruncated(world, after, forgotten + 1);
+    const size_t first = std::min<uint64_t>(after - forgotten, records.size());
     const size_t count = std::min(limit, records.size() - first);
 
     std::vector<Record> page;
@@ -74,21 +76,11 @@ class MemoryEditLog final : public EditLog {
   Result<void> putSnapshot(const std::string& world, uint64_t epoch, const Snapshot& snapshot) override {
     const std::lock_guard lock(mutex_);
     const auto entry = logs_.find(world);
-    if (entry == logs_.end() || entry->second.epoch != epoch) {
-      return Error{
-          ErrorKind::conflict,
-          fmt::format("epoch {} of world \"{}\" is fenced: another server has it, or it was removed", epoch, world),
-          "epoch",
-          fmt::format("{}", epoch),
-          {}};
-    }
+    if (entry == logs_.end() || entry->second.epoch != epoch) return fencedEpoch(world, epoch);
     Log& log = entry->second;
-    const uint64_t oldest = log.snapshot ? log.snapshot->seq : 0;
-    if (snapshot.seq < oldest || snapshot.seq > log.records.size()) {
-      return invalid("seq", fmt::format("{}", snapshot.seq),
-                     fmt::format("snapshot of world \"{}\" at seq {}: it must lie in [{}, {}]", world, snapshot.seq,
-                                 oldest, log.records.size()));
-    }
+    const uint64_t oldest = log.snapshotSeq();
+    if (snapshot.seq < oldest || snapshot.seq > log.lastSeq())
+      return snapshotOutOfRange(world, snapshot.seq, oldest, log.lastSeq());
     log.snapshot = snapshot;
     return {};
   }
@@ -100,6 +92,38 @@ class MemoryEditLog final : public EditLog {
     return entry->second.snapshot;
   }
 
+  Result<void> truncate(const std::string& world, uint64_t epoch, uint64_t seq) override {
+    const std::lock_guard lock(mutex_);
+    const auto entry = logs_.find(world);
+    if (entry == logs_.end() || entry->second.epoch != epoch) return fencedEpoch(world, epoch);
+    Log& log = entry->second;
+    if (seq > log.snapshotSeq()) return truncatesTooMuch(world, seq, log.snapshotSeq());
+    for (; log.forgotten < seq; ++log.forgotten) log.records.pop_front();
+    return {};
+  }
+
+  Result<void> putManifest(const std::string& world, uint64_t epoch, const std::string& manifest) override {
+    const std::lock_guard lock(mutex_);
+    const auto entry = logs_.find(world);
+    if (entry == logs_.end() || entry->second.epoch != epoch) return fencedEpoch(world, epoch);
+    entry->second.manifest = manifest;
+    return {};
+  }
+
+  Result<std::string> manifest(const std::string& world) const override {
+    const std::lock_guard lock(mutex_);
+    const auto entry = logs_.find(world);
+    if (entry == logs_.end()) return noSuchWorld(world);
+    return entry->second.manifest;
+  }
+
+  Result<std::vector<std::string>> worlds() const override {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> names;
+    for (const auto& [name, log] : logs_) names.push_back(name);
+    return names;
+  }
+
   Result<void> remove(const std::string& world) override {
     const std::lock_guard lock(mutex_);
     if (logs_.erase(world) == 0) return noSuchWorld(world);
@@ -109,18 +133,19 @@ class MemoryEditLog final : public EditLog {
  private:
   struct Log {
     uint64_t epoch = 0;
-    std::vector<RecordPtr> records;  // seq 1, 2, ...
-    std::unordered_map<std::string, uint64_t> seq_of_request;
+    std::string manifest;
+    uint64_t forgotten = 0;         // records up to here were truncated
+    std::deque<RecordPtr> records;  // seq forgotten + 1, forgotten + 2, ...
+    std::unordered_map<std::string, Receipt> receipts;
     std::optional<Snapshot> snapshot;
-  };
 
-  static Error noSuchWorld(const std::string& world) {
-    return {ErrorKind::not_found, fmt::format("no log of a world \"{}\": acquire it first", world), "world", world, {}};
-  }
+    uint64_t lastSeq() const { return forgotten + records.size(); }
+    uint64_t snapshotSeq() const { return snapshot ? snapshot->seq : 0; }
+  };
 
   mutable std::mutex mutex_;
   uint64_t last_epoch_ = 0;  // of all worlds, so that a world made again under its old name continues from there
-  std::unordered_map<std::string, Log> logs_;
+  std::map<std::string, Log> logs_;
   std::unordered_map<std::string, std::shared_ptr<Watchers>> watchers_;  // outlive their worlds: watches are by name
 };
 

@@ -1,0 +1,316 @@
+// The durable backend: what every backend does, and what only a disk can do to it.
+#include <sqlite3.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "edit_log_conformance.h"
+#include "store/log_folder.h"
+#include "store/sqlite_edit_log.h"
+#include "store/wal_inspection.h"
+
+namespace helio::store {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+/// A folder that goes with the object.
+class Folder {
+ public:
+  Folder() {
+    std::string name = ::testing::TempDir() + "heliograph_log_XXXXXX";
+    path_ = mkdtemp(name.data());
+  }
+  ~Folder() { fs::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  operator const fs::path&() const { return path_; }
+  fs::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  fs::path path_;
+};
+
+SqliteLogOptions optionsFor(const fs::path& folder) {
+  SqliteLogOptions options;
+  options.folder = folder;
+  options.on_fatal = [](const Error& error) { ADD_FAILURE() << "fatal: " << error.message; };
+  return options;
+}
+
+std::unique_ptr<EditLog> mustOpen(const fs::path& folder) {
+  auto log = openSqliteEditLog(optionsFor(folder));
+  EXPECT_TRUE(log) << log.error().message;
+  return log ? std::move(*log) : nullptr;
+}
+
+/// Whatever folders the suite has made are removed at the end.
+std::vector<std::unique_ptr<Folder>>& folders() {
+  static std::vector<std::unique_ptr<Folder>> all;
+  return all;
+}
+
+std::unique_ptr<EditLog> makeSqliteLog() {
+  folders().push_back(std::make_unique<Folder>());
+  return mustOpen(*folders().back());
+}
+
+INSTANTIATE_TEST_SUITE_P(Sqlite, EditLogConformance, ::testing::Values(Backend{"Sqlite", makeSqliteLog}));
+
+Record record(uint64_t seq) {
+  return {seq, fmt::format("r{}", seq), fmt::format("bytes of {}", seq), fmt::format("receipt of {}", seq)};
+}
+
+/// A log of world "w" with records 1..count, closed as a crash leaves it: everything is still in the WAL.
+void writeAndCrash(const fs::path& folder, uint64_t count) {
+  const Folder other;
+  {
+    const auto log = mustOpen(other);
+    const auto epoch = log->acquire("w");
+    for (uint64_t seq = 1; seq <= count; ++seq) ASSERT_EQ(log->append("w", *epoch, record(seq)), Append::ok);
+    for (const char* name : {"edits.db", "edits.db-wal"}) fs::copy_file(other / name, folder / name);
+  }
+}
+
+/// Changes a byte of a file.
+void damage(const fs::path& file, uint64_t offset) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekg(static_cast<std::streamoff>(offset));
+  const char byte = static_cast<char>(stream.get() ^ 0x55);
+  stream.seekp(static_cast<std::streamoff>(offset));
+  stream.put(byte);
+  ASSERT_TRUE(stream.good()) << file << " at " << offset;
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// The only place where `text` lies in the file.
+uint64_t offsetOf(const fs::path& file, const std::string& text) {
+  const std::string bytes = contents(file);
+  const size_t found = bytes.find(text);
+  EXPECT_NE(found, std::string::npos) << text;
+  return found;
+}
+
+Error errorOfOpening(const fs::path& folder) {
+  const auto log = openSqliteEditLog(optionsFor(folder));
+  EXPECT_FALSE(log);
+  return log ? Error{} : log.error();
+}
+
+/// With another SQLite connection, while no log is open.
+void sql(const fs::path& folder, const std::string& statements) {
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder / "edits.db").c_str(), &database), SQLITE_OK);
+  char* error = nullptr;
+  EXPECT_EQ(sqlite3_exec(database, statements.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
+  sqlite3_close(database);
+}
+
+TEST(SqliteEditLog, WhatWasAppendedIsThereAgain) {
+  const Folder folder;
+  uint64_t first = 0;
+  {
+    const auto log = mustOpen(folder);
+    first = *log->acquire("w");
+    ASSERT_TRUE(log->putManifest("w", first, "a city").ok());
+    for (uint64_t seq = 1; seq <= 5; ++seq) ASSERT_EQ(log->append("w", first, record(seq)), Append::ok);
+    ASSERT_TRUE(log->putSnapshot("w", first, {3, std::string(3'000'000, 's')}).ok());
+    ASSERT_TRUE(log->truncate("w", first, 3).ok());
+  }
+  const auto log = mustOpen(folder);
+  EXPECT_THAT(*log->worlds(), ElementsAre("w"));
+  EXPECT_EQ(*log->manifest("w"), "a city");
+  const auto second = log->acquire("w");
+  ASSERT_TRUE(second.ok()) << second.error().message;
+  EXPECT_GT(*second, first);
+  EXPECT_EQ((*log->snapshot("w"))->seq, 3u);
+  EXPECT_EQ((*log->snapshot("w"))->bytes, std::string(3'000'000, 's'));
+  const auto records = log->read("w", 3, 10);
+  ASSERT_TRUE(records.ok()) << records.error().message;
+  ASSERT_EQ(records->size(), 2u);
+  EXPECT_EQ(records->back().bytes, "bytes of 5");
+  EXPECT_EQ((*log->receipt("w", "r1"))->bytes, "receipt of 1");
+  EXPECT_EQ(log->append("w", first, record(6)), Append::fenced);
+  EXPECT_EQ(log->append("w", *second, record(6)), Append::ok);
+}
+
+TEST(SqliteEditLog, WhatACrashLeavesInTheWriteAheadLogIsReadBack) {
+  const Folder folder;
+  writeAndCrash(folder, 20);
+  ASSERT_GT(fs::file_size(folder / "edits.db-wal"), 0u);
+  const auto log = mustOpen(folder);
+  ASSERT_TRUE(log->acquire("w").ok());
+  EXPECT_EQ(log->read("w", 0, 100)->size(), 20u);
+}
+
+TEST(SqliteEditLog, AnIncompleteTailIsCut) {
+  const Folder folder;
+  writeAndCrash(folder, 20);
+  // The last transaction wrote at least one page; half of its last one is missing.
+  fs::resize_file(folder / "edits.db-wal", fs::file_size(folder / "edits.db-wal") - 2000);
+  const auto tail = inspectWal(folder / "edits.db-wal", nullptr);
+  ASSERT_TRUE(tail.ok()) << tail.error().message;
+  EXPECT_GE(tail->incomplete_bytes, 2000u);
+  const auto log = mustOpen(folder);
+  const auto epoch = log->acquire("w");
+  ASSERT_TRUE(epoch.ok()) << epoch.error().message;
+  EXPECT_EQ(log->read("w", 0, 100)->size(), 19u);
+  EXPECT_EQ(log->append("w", *epoch, record(20)), Append::ok);
+}
+
+TEST(SqliteEditLog, DamageInTheWriteAheadLogIsNotTakenForItsEnd) {
+  const Folder folder;
+  writeAndCrash(folder, 20);
+  damage(folder / "edits.db-wal", offsetOf(folder / "edits.db-wal", "bytes of 7"));
+  for (int attempt = 0; attempt < 2; ++attempt) {  // a refused start changes nothing
+    const Error error = errorOfOpening(folder);
+    EXPECT_EQ(error.kind, ErrorKind::damaged);
+    EXPECT_THAT(error.message, AllOf(HasSubstr("edits.db-wal is damaged"), HasSubstr("checksum")));
+  }
+}
+
+TEST(SqliteEditLog, AWriteAheadLogWithoutItsHeaderIsDamaged) {
+  const Folder folder;
+  writeAndCrash(folder, 3);
+  damage(folder / "edits.db-wal", 9);
+  EXPECT_EQ(errorOfOpening(folder).kind, ErrorKind::damaged);
+}
+
+struct Wound {
+  std::string name, text, expected;
+};
+std::ostream& operator<<(std::ostream& out, const Wound& wound) { return out << wound.name; }
+
+class SqliteDamage : public ::testing::TestWithParam<Wound> {};
+
+TEST_P(SqliteDamage, IsFoundWhenTheWorldIsAcquiredAndTouchesNoOtherWorld) {
+  const Folder folder;
+  {
+    const auto log = mustOpen(folder);
+    for (const char* world : {"w", "other"}) {
+      const auto epoch = log->acquire(world);
+      ASSERT_TRUE(log->putManifest(world, *epoch, fmt::format("manifest of {}", world)).ok());
+      for (uint64_t seq = 1; seq <= 4; ++seq) {
+        const std::string text = fmt::format("{} {}", world, seq);
+        ASSERT_EQ(log->append(world, *epoch, {seq, "request " + text, "bytes " + text, "receipt " + text}), Append::ok);
+      }
+      ASSERT_TRUE(log->putSnapshot(world, *epoch, {2, fmt::format("snapshot of {}", world)}).ok());
+    }
+  }
+  damage(folder / "edits.db", offsetOf(folder / "edits.db", GetParam().text));
+  const auto log = mustOpen(folder);
+  ASSERT_TRUE(log);
+  const auto epoch = log->acquire("w");
+  ASSERT_FALSE(epoch.ok());
+  EXPECT_EQ(epoch.error().kind, ErrorKind::damaged);
+  EXPECT_THAT(epoch.error().message, HasSubstr(GetParam().expected));
+  EXPECT_TRUE(log->acquire("other").ok());
+  EXPECT_TRUE(log->remove("w").ok());  // even so: somebody may want the name back
+  EXPECT_TRUE(log->acquire("w").ok());
+}
+
+INSTANTIATE_TEST_SUITE_P(Sqlite, SqliteDamage,
+                         ::testing::Values(Wound{"Record", "bytes w 3", "record 3 of world \"w\""},
+                                           Wound{"Receipt", "receipt w 2", "receipt of request \"request w 2\""},
+                                           Wound{"Manifest", "manifest of w", "the row of world \"w\""},
+                                           Wound{"Snapshot", "snapshot of w", "snapshot of world \"w\""}),
+                         [](const auto& wound) { return wound.param.name; });
+
+TEST(SqliteEditLog, AMissingRowIsDamage) {
+  for (const char* statement : {"DELETE FROM record WHERE seq = 2", "DELETE FROM request WHERE seq = 2",
+                                "DELETE FROM record WHERE seq = 4", "UPDATE world SET last_seq = 3"}) {
+    const Folder folder;
+    {
+      const auto log = mustOpen(folder);
+      const auto epoch = log->acquire("w");
+      for (uint64_t seq = 1; seq <= 4; ++seq) ASSERT_EQ(log->append("w", *epoch, record(seq)), Append::ok);
+    }
+    sql(folder, statement);
+    const auto epoch = mustOpen(folder)->acquire("w");
+    ASSERT_FALSE(epoch.ok()) << statement;
+    EXPECT_EQ(epoch.error().kind, ErrorKind::damaged) << statement;
+  }
+}
+
+TEST(SqliteEditLog, ANewerFormatIsRefusedByName) {
+  const Folder folder;
+  mustOpen(folder);
+  sql(folder, "PRAGMA user_version = 7");
+  const Error error = errorOfOpening(folder);
+  EXPECT_EQ(error.kind, ErrorKind::unsupported);
+  EXPECT_THAT(error.message, AllOf(HasSubstr("format 7"), HasSubstr("up to 1")));
+}
+
+TEST(SqliteEditLog, SomebodyElsesDatabaseIsRefusedAndLeftAlone) {
+  const Folder folder;
+  sql(folder, "CREATE TABLE songs (title)");
+  const std::string before = contents(folder / "edits.db");
+  EXPECT_EQ(errorOfOpening(folder).kind, ErrorKind::unsupported);
+  EXPECT_EQ(contents(folder / "edits.db"), before);
+}
+
+TEST(SqliteEditLog, AFileThatIsNoDatabaseIsDamaged) {
+  const Folder folder;
+  std::ofstream(folder / "edits.db") << std::string(8192, 'x');
+  EXPECT_EQ(errorOfOpening(folder).kind, ErrorKind::damaged);
+}
+
+TEST(SqliteEditLog, ASecondServerIsKeptOut) {
+  const Folder folder;
+  const auto log = mustOpen(folder);
+  const Error error = errorOfOpening(folder);
+  EXPECT_EQ(error.kind, ErrorKind::unavailable);
+  EXPECT_THAT(error.message, HasSubstr("another heliographd"));
+  EXPECT_TRUE(log->acquire("w").ok());
+}
+
+TEST(SqliteEditLog, WhatARemovedWorldLeftGoes) {
+  const Folder folder;
+  {
+    const auto log = mustOpen(folder);
+    const auto epoch = log->acquire("w");
+    for (uint64_t seq = 1; seq <= 3; ++seq) ASSERT_EQ(log->append("w", *epoch, record(seq)), Append::ok);
+    ASSERT_TRUE(log->putSnapshot("w", *epoch, {2, "snapshot"}).ok());
+    ASSERT_TRUE(log->remove("w").ok());
+  }
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((folder / "edits.db").c_str(), &database), SQLITE_OK);
+  for (const char* table : {"world", "record", "request", "snapshot_part", "waste"}) {
+    sqlite3_stmt* statement = nullptr;
+    sqlite3_prepare_v2(database, fmt::format("SELECT count(*) FROM {}", table).c_str(), -1, &statement, nullptr);
+    ASSERT_EQ(sqlite3_step(statement), SQLITE_ROW);
+    EXPECT_EQ(sqlite3_column_int(statement, 0), 0) << table;
+    sqlite3_finalize(statement);
+  }
+  sqlite3_close(database);
+}
+
+TEST(LogFolder, NetworkFileSystemsAreKnownByTheirTypes) {
+  EXPECT_EQ(networkFileSystem(0x6969), "NFS");
+  EXPECT_EQ(networkFileSystem(static_cast<int>(0xff534d42u)), "CIFS");  // statfs' field is signed on some machines
+  for (const long local : {0xef53L, 0x58465342L, 0x9123683eL, 0x01021994L, 0x794c7630L})  // ext4 xfs btrfs tmpfs overlay
+    EXPECT_EQ(networkFileSystem(local), std::nullopt) << local;
+}
+
+TEST(LogFolder, IsMadeAndMustBeAFolder) {
+  const Folder folder;
+  EXPECT_TRUE(prepareLogFolder(folder / "a/b").ok());
+  EXPECT_TRUE(fs::is_directory(folder / "a/b"));
+  EXPECT_EQ(fs::status(folder / "a/b").permissions(), fs::perms::owner_all);
+  std::ofstream(folder / "file") << "x";
+  const auto refused = prepareLogFolder(folder / "file");
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, ErrorKind::invalid);
+}
+
+}  // namespace
+}  // namespace helio::store
