@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "service/server.h"
+#include "store/sqlite_edit_log.h"
 
 namespace {
 
@@ -19,6 +20,7 @@ constexpr const char* kExamples = R"(Examples:
   heliographd --city 10000                       a city of 10,000 instances, world "city", on 127.0.0.1:7700
   heliographd --device cpu --listen 127.0.0.1:0 --port-file port.txt
                                                  on the software device, at a free port that port.txt names
+  heliographd --log-dir ~/worlds                 every acknowledged edit is on disk, and there again after a restart
   heliographd --gltf-root ~/models               clients may make worlds of the files in there
 Every flag can be set in the environment too: HELIOGRAPH_LISTEN, HELIOGRAPH_CITY, ...
 The first SIGTERM or SIGINT tells the viewers and ends in order, the second ends at once.)";
@@ -34,6 +36,20 @@ void waitForSignal(const sigset_t& signals) {
   sigwait(&signals, &signal);
 }
 
+Result<std::unique_ptr<store::EditLog>> openLog(const std::string& folder,
+                                                const std::function<void(const Error&)>& on_fatal) {
+  if (folder.empty()) {
+    spdlog::warn("worlds live in memory only and end with this process; --log-dir FOLDER keeps them");
+    return store::makeMemoryEditLog();
+  }
+  store::SqliteLogOptions options;
+  options.folder = folder;
+  options.on_fatal = on_fatal;
+  auto log = store::openSqliteEditLog(std::move(options));
+  if (log) spdlog::info("worlds are kept in {}", folder);
+  return log;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -42,7 +58,7 @@ int main(int argc, char** argv) {
   config.encoder_threads = std::max(1u, std::thread::hardware_concurrency() / 2);
   render::RendererOptions device;
   scene::CityParameters city{1, 0};
-  std::string world = "city", port_file, log_level = "info";
+  std::string world = "city", log_folder, port_file, log_level = "info";
 
   CLI::App app("Hosts worlds, renders them, and streams pictures to viewers.", "heliographd");
   app.footer(kExamples);
@@ -56,6 +72,7 @@ int main(int argc, char** argv) {
   flag("--port-file", port_file, "file that gets the bound host:port, when the server is ready");
   flag("--device", device.device, "part of a Vulkan device's name, cpu or gpu; empty: the best there is");
   app.add_flag("--validation", device.validation, "Vulkan's validation layer")->envname("HELIOGRAPH_VALIDATION");
+  flag("--log-dir", log_folder, "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
   flag("--gltf-root", config.gltf_root, "folder whose glTF files may become worlds")->check(CLI::ExistingDirectory);
   flag("--city", city.instances, "make a city of so many instances at the start, 1,000 to 1,000,000");
   flag("--seed", city.seed, "of that city");
@@ -77,15 +94,16 @@ int main(int argc, char** argv) {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
-  auto renderer = render::makeRenderer(device);
-  if (!renderer) return fail(renderer.error().message);
-  const auto log = store::makeMemoryEditLog();
   // Crash-only: a supervisor starts the process again, and the viewers attach again.
   config.on_fatal = [](const Error& error) {
     std::cerr << "heliographd: cannot go on: " << error.message << std::endl;
     std::_Exit(EXIT_FAILURE);
   };
-  auto server = service::Server::start(std::move(config), **renderer, *log);
+  auto log = openLog(log_folder, config.on_fatal);
+  if (!log) return fail(log.error().message);
+  auto renderer = render::makeRenderer(device);
+  if (!renderer) return fail(renderer.error().message);
+  auto server = service::Server::start(std::move(config), **renderer, **log);
   if (!server) return fail(server.error().message);
   if (city.instances != 0)
     if (auto created = (*server)->createCity(world, city); !created) return fail(created.error().message);

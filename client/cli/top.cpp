@@ -59,13 +59,20 @@ void describe(const v1::ViewerTelemetry& viewer, std::string& out) {
          double(effect.pass_ms()));
 }
 
+/// As text: JSON's numbers end at 2^53.
+std::string hexadecimal(uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
 std::string describe(const v1::TelemetrySample& sample, const std::string& server) {
   std::string out;
   line(out, "%s  up %.0f s  %.0f MB resident", server.c_str(), sample.uptime(), double(sample.resident_bytes()) / 1e6);
   for (const auto& world : sample.worlds()) {
-    line(out, "world %-16s %llu instances  seq %llu  %.1f ticks/s of %.1f ms  edit to picture %.0f ms",
+    line(out, "world %-16s %llu instances  seq %llu  checksum %s  %.1f ticks/s of %.1f ms  edit to picture %.0f ms",
          world.world().c_str(), static_cast<unsigned long long>(world.instances()),
-         static_cast<unsigned long long>(world.seq()), double(world.ticks_per_second()), double(world.tick_ms()),
+         static_cast<unsigned long long>(world.seq()), hexadecimal(world.checksum()).c_str(), double(world.ticks_per_second()), double(world.tick_ms()),
          double(world.edit_to_picture_ms()));
     for (const auto& viewer : world.viewers()) describe(viewer, out);
   }
@@ -119,6 +126,7 @@ Json toJson(const v1::TelemetrySample& sample) {
     worlds.push_back({{"world", world.world()},
                       {"instances", world.instances()},
                       {"seq", world.seq()},
+                      {"checksum", hexadecimal(world.checksum())},
                       {"ticks", world.ticks()},
                       {"ticks_per_second", world.ticks_per_second()},
                       {"tick_ms", world.tick_ms()},

@@ -19,6 +19,8 @@ v1::ErrorReason reasonOf(ErrorKind kind) {
       return v1::ERROR_REASON_UNSUPPORTED;
     case ErrorKind::unavailable:
       return v1::ERROR_REASON_UNAVAILABLE;
+    case ErrorKind::damaged:
+      return v1::ERROR_REASON_DATA_LOSS;
     case ErrorKind::internal:
       return v1::ERROR_REASON_INTERNAL;
   }
@@ -42,6 +44,8 @@ grpc::StatusCode codeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_WORLD_FAILED:
     case v1::ERROR_REASON_UNSUPPORTED:
       return grpc::StatusCode::FAILED_PRECONDITION;
+    case v1::ERROR_REASON_DATA_LOSS:
+      return grpc::StatusCode::DATA_LOSS;
     case v1::ERROR_REASON_WORLD_LOADING:
     case v1::ERROR_REASON_DRAINING:
     case v1::ERROR_REASON_FENCED:

@@ -27,22 +27,14 @@ world::ChangeSet merge(world::ChangeSet older, world::ChangeSet newer) {
   return newer;
 }
 
-EditAnswer answer(uint64_t seq, uint64_t epoch, const world::Batch& batch) {
-  EditAnswer out;
-  out.seq = seq;
-  out.epoch = epoch;
-  for (const auto& edit : batch.edits) {
-    if (const auto* build = std::get_if<world::ResolvedBuild>(&edit))
-      out.built.push_back({build->first_id, build->poses.size()});
-    else if (const auto* destroy = std::get_if<world::ResolvedDestroy>(&edit)) out.destroyed += destroy->ids.size();
-  }
-  return out;
-}
-
 }  // namespace
 
 HostedWorld::HostedWorld(std::string name, WorldSource source, const WorldEnvironment& environment)
-    : name_(std::move(name)), source_(std::move(source)), environment_(environment), thread_([this] { run(); }) {}
+    : name_(std::move(name)),
+      source_(std::move(source)),
+      environment_(environment),
+      log_(name_, *environment_.log, environment_.snapshot_bytes, environment_.on_fatal),
+      thread_([this] { run(); }) {}
 
 HostedWorld::~HostedWorld() = default;
 
@@ -60,7 +52,7 @@ HostedWorld::State HostedWorld::state() const {
 
 std::string HostedWorld::error() const {
   std::lock_guard lock(mutex_);
-  return error_;
+  return error_.message;
 }
 
 double HostedWorld::time() const {
@@ -76,10 +68,15 @@ Outcome<world::World*> HostedWorld::content() {
         v1::ERROR_REASON_WORLD_LOADING,
         {ErrorKind::unavailable, "world \"" + name_ + "\" is still being loaded; try again", "world", name_, {}},
         kLoadingRetryMs};
-  if (state_ == State::failed)
-    return Failure{
-        v1::ERROR_REASON_WORLD_FAILED,
-        {ErrorKind::unsupported, "world \"" + name_ + "\" could not be loaded: " + error_, "world", name_, {}}};
+  if (state_ == State::failed) {
+    const bool damaged = error_.kind == ErrorKind::damaged;
+    return Failure{damaged ? v1::ERROR_REASON_DATA_LOSS : v1::ERROR_REASON_WORLD_FAILED,
+                   {damaged ? ErrorKind::damaged : ErrorKind::unsupported,
+                    "world \"" + name_ + "\" could not be loaded: " + error_.message,
+                    "world",
+                    name_,
+                    {}}};
+  }
   return content_.get();
 }
 
@@ -156,72 +153,19 @@ telemetry::WorldCounters HostedWorld::counters() const {
 // ---- Edits
 // -----------------------------------------------------------------------------------------------------------
 
-std::optional<EditAnswer> HostedWorld::replay(const std::string& request_id) const {
-  const auto seq = environment_.log->find(name_, request_id);
-  if (!seq) return std::nullopt;
-  const auto records = environment_.log->read(name_, *seq - 1, 1);
-  if (!records || records->empty()) return std::nullopt;
-  const auto batch = world::decode(std::as_bytes(std::span(records->front().bytes)));
-  if (!batch) return std::nullopt;
-  EditAnswer out = answer(*seq, epoch_, *batch);
-  out.replayed = true;
-  return out;
-}
-
-/// World and log have come apart: nothing after this can be right.
-Failure HostedWorld::diverged(const Error& error) const {
-  environment_.on_fatal(error);
-  return error;
-}
-
 Outcome<EditAnswer> HostedWorld::apply(const EditRequest& request, Clock::time_point arrived) {
-  std::lock_guard lock(log_mutex_);
   auto content = this->content();
   if (!content) return content.error();
-  world::World& world = **content;
-
-  // A repeated request gets the first one's answer, whatever the world has become since.
-  if (auto first = replay(request.request_id)) return *first;
-
-  // Check everything before anything changes.
-  if (request.expected_seq && *request.expected_seq != world.seq()) {
-    const std::string is = std::to_string(world.seq()), expected = std::to_string(*request.expected_seq);
-    return Failure{v1::ERROR_REASON_SEQ_MISMATCH,
-                   {ErrorKind::conflict,
-                    "world \"" + name_ + "\" is at sequence number " + is + ", not " + expected +
-                        "; look at what changed, then send the edits again",
-                    "expected_seq", is, expected}};
+  auto applied = log_.apply(**content, request);
+  if (!applied) {
+    if (auto still = this->content(); !still) return still.error();  // it was deleted meanwhile, which says more
+    return applied;
   }
-  auto batch = world.resolve(request.edits);
-  if (!batch) return Failure(batch.error());
-
-  // Make it durable, then apply it.
-  const uint64_t seq = world.seq() + 1;
-  switch (environment_.log->append(name_, epoch_, {seq, request.request_id, world::encode(*batch)})) {
-    case store::Append::ok:
-      break;
-    case store::Append::fenced:
-      return Failure{
-          v1::ERROR_REASON_FENCED,
-          {ErrorKind::unavailable, "another server has taken world \"" + name_ + "\" over", "world", name_, {}}};
-    case store::Append::unknown:
-      return Failure{v1::ERROR_REASON_OUTCOME_UNKNOWN,
-                     {ErrorKind::unavailable,
-                      "the log gave no answer; repeat with the same request_id",
-                      "request_id",
-                      request.request_id,
-                      {}}};
-    case store::Append::out_of_order:
-      return diverged({ErrorKind::internal,
-                       "the log of world \"" + name_ + "\" is not at the world's sequence number",
-                       "seq",
-                       std::to_string(seq),
-                       {}});
+  if (!applied->replayed) {
+    edit_latency_.arrived(applied->seq, arrived);
+    wake();
   }
-  if (auto applied = world.apply(seq, *batch); !applied) return diverged(applied.error());
-  edit_latency_.arrived(seq, arrived);
-  wake();
-  return answer(seq, epoch_, *batch);
+  return applied;
 }
 
 // ---- The world's thread
@@ -234,7 +178,7 @@ void HostedWorld::run() {
     spdlog::error("world {}: {}", name_, loaded.error().message);
     std::unique_lock lock(mutex_);
     state_ = State::failed;
-    error_ = loaded.error().message;
+    error_ = loaded.error();
     wake_.wait(lock, [&] { return stop_reason_.has_value(); });
   }
   std::lock_guard lock(mutex_);
@@ -247,21 +191,19 @@ Result<void> HostedWorld::load() {
   auto handle = environment_.renderer->addWorld(*scene);
   if (!handle) return handle.error();
   handle_ = *handle;
-  auto epoch = environment_.log->acquire(name_);
-  if (!epoch) {
+  auto content = log_.load(*scene, source_, environment_.limits);
+  if (!content) {
     environment_.renderer->removeWorld(handle_);
-    return epoch.error();
+    return content.error();
   }
-  auto content = std::make_unique<world::World>(*scene, environment_.limits);
-  const uint64_t instances = content->instanceCount();
+  const uint64_t instances = (*content)->instanceCount(), seq = (*content)->seq();
   {
     std::lock_guard lock(mutex_);
-    content_ = std::move(content);
-    epoch_ = *epoch;
+    content_ = std::move(*content);
     last_tick_ = Clock::now();
     state_ = State::ready;
   }
-  spdlog::info("world {}: ready, {} instances ({})", name_, instances, source_.description);
+  spdlog::info("world {}: ready at seq {}, {} instances ({})", name_, seq, instances, source_.description());
   return {};
 }
 

@@ -11,40 +11,19 @@
 #include <vector>
 
 #include "service/view_sink.h"
-#include "store/edit_log.h"
+#include "service/world_log.h"
+#include "service/world_source.h"
 #include "world/world.h"
 
 namespace helio::service {
-
-/// How a world's base scene comes to be.
-struct WorldSource {
-  std::string description;                        ///< "city seed 1, 10000 instances"
-  std::function<Result<scene::ScenePtr>()> load;  ///< takes its time; called once, on the world's own thread
-};
 
 /// What all worlds of a server share. Outlives them.
 struct WorldEnvironment {
   render::Renderer* renderer = nullptr;
   store::EditLog* log = nullptr;
   world::Limits limits;
+  uint64_t snapshot_bytes = 0;                 ///< see ServerConfig
   std::function<void(const Error&)> on_fatal;  ///< the device is lost or an invariant broke
-};
-
-struct EditAnswer {
-  struct Built {
-    uint64_t first = 0, count = 0;
-  };
-  uint64_t seq = 0;
-  uint64_t epoch = 0;
-  std::vector<Built> built;
-  uint64_t destroyed = 0;
-  bool replayed = false;
-};
-
-struct EditRequest {
-  std::string request_id;
-  std::optional<uint64_t> expected_seq;
-  std::vector<world::Edit> edits;
 };
 
 /// Thread-safe.
@@ -58,10 +37,10 @@ class HostedWorld {
   ~HostedWorld();
 
   const std::string& name() const { return name_; }
-  const std::string& source() const { return source_.description; }
+  const WorldSource& source() const { return source_; }
   State state() const;
   std::string error() const;  ///< why it failed
-  uint64_t epoch() const { return epoch_; }
+  uint64_t epoch() const { return log_.epoch(); }
   double time() const;  ///< world time, seconds
 
   /// The world's content. Failures: loading (retry), failed, deleted.
@@ -107,9 +86,6 @@ class HostedWorld {
   void renderEach(const world::ChangeSet& changes, const Views& wanted);
   void endAll(const Failure& why);
 
-  Failure diverged(const Error& error) const;
-  std::optional<EditAnswer> replay(const std::string& request_id) const;
-
   const std::string name_;
   const WorldSource source_;
   const WorldEnvironment& environment_;
@@ -117,7 +93,7 @@ class HostedWorld {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   State state_ = State::loading;
-  std::string error_;
+  Error error_;  ///< why it failed
   std::optional<Failure> stop_reason_;
   bool stopped_ = false;
   bool woken_ = false;
@@ -126,13 +102,12 @@ class HostedWorld {
   telemetry::WorldCounters counters_;
   double time_ = 0;
 
-  uint64_t epoch_ = 0;                          // written before state_ becomes ready
-  std::unique_ptr<world::World> content_;       // likewise
+  std::unique_ptr<world::World> content_;       // written before state_ becomes ready
+  WorldLog log_;                                // goes before content_
   render::WorldHandle handle_ = 0;              // tick thread only
   Clock::time_point last_tick_{};               // tick thread only
   std::optional<world::ChangeSet> unrendered_;  // tick thread only: changes of ticks that failed
 
-  std::mutex log_mutex_;  // what was resolved is logged and applied before anything else is resolved
   telemetry::EditLatency edit_latency_;
   std::thread thread_;  // last: everything else is there when it starts
 };

@@ -62,7 +62,7 @@ bool isLoopback(const std::string& host) {
 struct Server::Parts {
   Parts(ServerConfig c, render::Renderer& renderer, store::EditLog& log)
       : config(std::move(c)),
-        worlds({&renderer, &log, config.limits.world, config.on_fatal}, config.limits),
+        worlds({&renderer, &log, config.limits.world, config.snapshot_bytes, config.on_fatal}, config.limits),
         encoders(config.encoder_threads),
         streams{&worlds, &config.limits, &encoders, &next_viewer},
         world_service(worlds, config.limits, config.gltf_root, config.version, renderer.device()),
@@ -104,6 +104,10 @@ Result<std::unique_ptr<Server>> Server::start(ServerConfig config, render::Rende
   static const bool reflection = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);
   (void)reflection;
   auto parts = std::make_unique<Parts>(std::move(config), renderer, log);
+  const auto find_source = [&parts = *parts](const Manifest& manifest) {
+    return sourceOf(manifest, parts.config.gltf_root, parts.config.limits);
+  };
+  if (auto restored = parts->worlds.restore(find_source); !restored) return restored.error();
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
@@ -136,8 +140,10 @@ Server::~Server() { drain(std::chrono::milliseconds(0)); }
 const std::string& Server::address() const { return parts_->address; }
 
 Result<void> Server::createCity(const std::string& world, const scene::CityParameters& parameters) {
-  auto source = citySource(parameters, parts_->config.limits);
+  auto source = sourceOf({parameters, {}}, parts_->config.gltf_root, parts_->config.limits);
   if (!source) return source.error().error;
+  if (const auto there = parts_->worlds.find(world); there && (*there)->source().manifest.sameSource(source->manifest))
+    return {};
   if (auto created = parts_->worlds.create(world, std::move(*source)); !created) return created.error().error;
   return {};
 }

@@ -20,6 +20,8 @@ struct ServerConfig {
   std::string version;                     ///< what GetServerInfo says
   std::filesystem::path gltf_root;         ///< worlds may be made of the glTF files in here; empty: of none
   unsigned encoder_threads = 2;            ///< at least 1; a 720p frame takes a thread 2 to 3 ms
+  /// A world's snapshot is written when the records since the last one weigh so much, and as much as it.
+  uint64_t snapshot_bytes = 4 << 20;
   Limits limits;
   /// The device is lost, or an invariant broke. Called on a world's thread; the process should end with the message.
   std::function<void(const Error&)> on_fatal;
@@ -27,7 +29,8 @@ struct ServerConfig {
 
 class Server {
  public:
-  /// Listens and serves. `renderer` and `log` outlive the server. Errors (invalid): an address that is not loopback,
+  /// Listens and serves; the worlds of the log are here again, and being loaded. `renderer` and `log` outlive the server.
+  /// Errors: the log's; (limit): it holds too many worlds; (invalid): an address that is not loopback,
   /// for without credentials everybody who reaches the port may build and destroy; (unavailable): an address in use.
   static Result<std::unique_ptr<Server>> start(ServerConfig config, render::Renderer& renderer, store::EditLog& log);
   /// drain(), unless that was done.
@@ -36,7 +39,7 @@ class Server {
   /// host:port as bound.
   const std::string& address() const;
 
-  /// What CreateWorld does for a client. Errors likewise.
+  /// What CreateWorld does for a client. Errors likewise, but the world may be there, made of the same city.
   Result<void> createCity(const std::string& world, const scene::CityParameters& parameters);
 
   /// Tells every viewer, ends every stream, and gives them `grace` to take it in; then cuts what is left.

@@ -55,6 +55,7 @@ void describe(HostedWorld& world, Last& last, double seconds, Clock::time_point 
   if (!content) return;
   out.set_instances((*content)->instanceCount());
   out.set_seq((*content)->seq());
+  out.set_checksum((*content)->checksum());
 
   const auto counters = world.counters();
   const uint64_t ticks = counters.ticks - last.world.ticks;

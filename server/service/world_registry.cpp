@@ -1,6 +1,6 @@
 #include "service/world_registry.h"
 
-#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
@@ -17,6 +17,19 @@ bool wellFormed(const std::string& name, uint32_t max_length) {
 
 constexpr uint32_t kDeletingRetryMs = 250;  // a tick or a load in progress has to end first
 
+/// The source that a log's manifest names; if it names none, one whose loading fails with the reason.
+WorldSource sourceOf(Result<std::string> bytes, const WorldRegistry::FindSource& find_source) {
+  const auto failing = [](const Error& error, Manifest manifest) {
+    return WorldSource{std::move(manifest), [error]() -> Result<scene::ScenePtr> { return error; }};
+  };
+  if (!bytes) return failing(bytes.error(), {Manifest::Gltf{"unknown"}, {}});
+  auto manifest = decodeManifest(*bytes);
+  if (!manifest) return failing(manifest.error(), {Manifest::Gltf{"unknown"}, {}});
+  auto source = find_source(*manifest);
+  if (!source) return failing(source.error().error, *manifest);
+  return std::move(*source);
+}
+
 }  // namespace
 
 WorldRegistry::WorldRegistry(WorldEnvironment environment, const Limits& limits)
@@ -28,18 +41,39 @@ WorldRegistry::~WorldRegistry() {
   for (auto& world : dying_) world->join();
 }
 
-Outcome<WorldPtr> WorldRegistry::create(std::string name, WorldSource source) {
+Result<void> WorldRegistry::restore(const FindSource& find_source) {
+  const auto names = environment_.log->worlds();
+  if (!names) return names.error();
   std::lock_guard lock(mutex_);
+  for (const std::string& name : *names) {
+    auto bytes = environment_.log->manifest(name);
+    if (bytes && bytes->empty()) {  // the server ended while it was being made: nobody was told that it exists
+      spdlog::info("world {}: was never complete, and is removed", name);
+      if (auto removed = environment_.log->remove(name); !removed) return removed;
+      continue;
+    }
+    if (worlds_.size() >= limits_.max_worlds)
+      return Error{ErrorKind::limit,
+                   fmt::format("the log holds {} worlds, this server allows {}", names->size(), limits_.max_worlds),
+                   "max_worlds", std::to_string(names->size()), std::to_string(limits_.max_worlds)};
+    worlds_[name] = std::make_shared<HostedWorld>(name, sourceOf(std::move(bytes), find_source), environment_);
+  }
+  return {};
+}
+
+/// A name that is free, for a world that there is room for.
+Outcome<void> WorldRegistry::reserve(std::string& name) {
   if (draining_) return draining();
   reap();
+  const auto taken = [&](const std::string& n) { return worlds_.count(n) != 0 || entering_.count(n) != 0; };
   if (name.empty()) {
     do name = "world-" + std::to_string(++chosen_names_);
-    while (worlds_.count(name));
+    while (taken(name));
   }
   if (!wellFormed(name, limits_.max_name_length))
     return outOfRange("world", fmt::format("\"{}\"", name.substr(0, 80)),
                       fmt::format("1 to {} of [a-z0-9._-], first a letter or digit", limits_.max_name_length));
-  if (worlds_.count(name))
+  if (taken(name))
     return Failure{
         v1::ERROR_REASON_WORLD_EXISTS,
         {ErrorKind::conflict, "world \"" + name + "\" exists; choose another name or delete it", "world", name, {}}};
@@ -49,8 +83,22 @@ Outcome<WorldPtr> WorldRegistry::create(std::string name, WorldSource source) {
         {ErrorKind::unavailable, "world \"" + name + "\" is still being deleted; try again", "world", name, {}},
         kDeletingRetryMs};
   const std::string most = std::to_string(limits_.max_worlds);
-  if (worlds_.size() + dying_.size() >= limits_.max_worlds)
+  if (worlds_.size() + entering_.size() + dying_.size() >= limits_.max_worlds)
     return beyondLimit("world", name, most, fmt::format("this server holds its {} worlds already; delete one", most));
+  entering_.insert(name);
+  return {};
+}
+
+Outcome<WorldPtr> WorldRegistry::create(std::string name, WorldSource source) {
+  {
+    std::lock_guard lock(mutex_);
+    if (auto reserved = reserve(name); !reserved) return reserved.error();
+  }
+  const auto entered = enterIntoLog(*environment_.log, name, source.manifest);  // a disk's time: nobody else waits
+  std::lock_guard lock(mutex_);
+  entering_.erase(name);
+  if (!entered) return Failure(entered.error());
+  if (draining_) return draining();
   return worlds_[name] = std::make_shared<HostedWorld>(name, std::move(source), environment_);
 }
 
@@ -70,13 +118,18 @@ std::vector<WorldPtr> WorldRegistry::list(const std::string& after) const {
 }
 
 Outcome<void> WorldRegistry::remove(const std::string& name) {
+  {
+    std::lock_guard lock(mutex_);
+    if (draining_) return draining();
+    const auto found = worlds_.find(name);
+    if (found == worlds_.end()) return unknownWorld(name);
+    found->second->stop(worldDeleted(name));
+    dying_.push_back(found->second);
+    worlds_.erase(found);
+  }
+  auto removed = environment_.log->remove(name);  // a disk's time: nobody else waits
+  if (!removed && removed.error().kind != ErrorKind::not_found) return Failure(removed.error());
   std::lock_guard lock(mutex_);
-  if (draining_) return draining();
-  const auto found = worlds_.find(name);
-  if (found == worlds_.end()) return unknownWorld(name);
-  found->second->stop(worldDeleted(name));
-  dying_.push_back(found->second);
-  worlds_.erase(found);
   reap();
   return {};
 }
@@ -86,7 +139,7 @@ void WorldRegistry::reap() {
   const auto ended = std::partition(dying_.begin(), dying_.end(), [](const WorldPtr& w) { return !w->stopped(); });
   for (auto i = ended; i != dying_.end(); ++i) {
     (*i)->join();
-    // A new world of the name must not find the old one's records. (A world that failed to load has no log.)
+    // It may have been acquired again by a load that was in progress; a new world of the name must not find that.
     auto removed = environment_.log->remove((*i)->name());
     if (!removed && removed.error().kind != ErrorKind::not_found) environment_.on_fatal(removed.error());
   }

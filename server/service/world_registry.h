@@ -2,9 +2,11 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -25,12 +27,18 @@ class WorldRegistry {
   /// Waits for every world's thread.
   ~WorldRegistry();
 
-  /// `name` empty: one is chosen. Failures: name (form, taken, still being deleted), max_worlds, draining.
+  using FindSource = std::function<Outcome<WorldSource>(const Manifest&)>;
+  /// Before anything else: every world of the log is here again, and being loaded. One that cannot be is here too, with
+  /// its error, so that it can be looked at and deleted. Errors: the log's, max_worlds (limit).
+  Result<void> restore(const FindSource& find_source);
+
+  /// `name` empty: one is chosen. It is in the log when this returns. Failures: name (form, taken, still being deleted),
+  /// max_worlds, draining, the log's.
   Outcome<WorldPtr> create(std::string name, WorldSource source);
   Outcome<WorldPtr> find(const std::string& name) const;
   /// By name, ascending; only names after `after`.
   std::vector<WorldPtr> list(const std::string& after = {}) const;
-  /// Ends its viewers. Failures: unknown world.
+  /// Ends its viewers. The log has forgotten it when this returns. Failures: unknown world, the log's.
   Outcome<void> remove(const std::string& name);
 
   /// Failures: max_viewers, draining.
@@ -40,12 +48,14 @@ class WorldRegistry {
   void drain();
 
  private:
+  Outcome<void> reserve(std::string& name);
   void reap();
 
   const WorldEnvironment environment_;
   const Limits& limits_;
   mutable std::mutex mutex_;
   std::map<std::string, WorldPtr> worlds_;
+  std::set<std::string> entering_;  ///< being entered into the log
   std::vector<WorldPtr> dying_;  ///< removed, their threads still at work; their names are taken until then
   bool draining_ = false;
   uint64_t chosen_names_ = 0;

@@ -32,7 +32,7 @@ v1::WorldState stateOf(HostedWorld::State state) {
 
 void describe(HostedWorld& world, v1::World& out) {
   out.set_world(world.name());
-  out.set_source(world.source());
+  out.set_source(world.source().description());
   out.set_state(stateOf(world.state()));
   out.set_error(world.error());
   if (out.state() != v1::WORLD_STATE_READY) return;

@@ -11,15 +11,18 @@ namespace helio::service {
 
 namespace fs = std::filesystem;
 
-Outcome<WorldSource> citySource(const scene::CityParameters& parameters, const Limits& limits) {
+namespace {
+
+using Loader = std::function<Result<scene::ScenePtr>()>;
+
+Outcome<Loader> cityLoader(const scene::CityParameters& parameters, const Limits& limits) {
   const uint64_t low = 1'000, high = std::min<uint64_t>(1'000'000, limits.world.max_instances);
   if (parameters.instances < low || parameters.instances > high)
     return outOfRange("city.instances", std::to_string(parameters.instances), fmt::format("[{}, {}]", low, high));
-  return WorldSource{fmt::format("city seed {}, {} instances", parameters.seed, parameters.instances),
-                     [parameters] { return scene::generateCity(parameters); }};
+  return Loader([parameters] { return scene::generateCity(parameters); });
 }
 
-Outcome<WorldSource> gltfSource(const fs::path& root, const std::string& path) {
+Outcome<Loader> gltfLoader(const fs::path& root, const std::string& path) {
   const std::string field = "gltf.path";
   if (root.empty())
     return Failure(Error{
@@ -38,15 +41,24 @@ Outcome<WorldSource> gltfSource(const fs::path& root, const std::string& path) {
   if (!fs::is_regular_file(file, error))
     return Failure(
         Error{ErrorKind::not_found, "there is no file \"" + path + "\" in the server's glTF folder", field, path, {}});
-  return WorldSource{"gltf " + path, [file] { return scene::loadGltf(file); }};
+  return Loader([file] { return scene::loadGltf(file); });
+}
+
+}  // namespace
+
+Outcome<WorldSource> sourceOf(Manifest manifest, const fs::path& gltf_root, const Limits& limits) {
+  const auto* city = std::get_if<scene::CityParameters>(&manifest.source);
+  auto loader = city ? cityLoader(*city, limits) : gltfLoader(gltf_root, std::get<Manifest::Gltf>(manifest.source).path);
+  if (!loader) return loader.error();
+  return WorldSource{std::move(manifest), std::move(*loader)};
 }
 
 Outcome<WorldSource> sourceOf(const v1::CreateWorldRequest& request, const fs::path& gltf_root, const Limits& limits) {
   switch (request.source_case()) {
     case v1::CreateWorldRequest::kCity:
-      return citySource({request.city().seed(), request.city().instances()}, limits);
+      return sourceOf({scene::CityParameters{request.city().seed(), request.city().instances()}, {}}, gltf_root, limits);
     case v1::CreateWorldRequest::kGltf:
-      return gltfSource(gltf_root, request.gltf().path());
+      return sourceOf({Manifest::Gltf{request.gltf().path()}, {}}, gltf_root, limits);
     case v1::CreateWorldRequest::SOURCE_NOT_SET:
       break;
   }

@@ -1,5 +1,7 @@
 #include "world/instance_table.h"
 
+#include "world/checksum.h"
+
 namespace helio::world {
 
 // An affine map takes the centre of a box to the centre of the mapped box's bounds, so one point is enough.
@@ -59,6 +61,7 @@ std::vector<ChangeSet::Slot> InstanceTable::takeDirty() {
 }
 
 void InstanceTable::write(uint32_t slot, const Instance& instance) {
+  checksum_ += hashOf(instance) - hashOf(slots_[slot]);
   slots_[slot] = instance;
   if (is_dirty_[slot]) return;
   is_dirty_[slot] = true;

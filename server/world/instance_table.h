@@ -33,6 +33,9 @@ class InstanceTable {
   uint32_t slotCount() const { return static_cast<uint32_t>(slots_.size()); }
   const std::vector<uint32_t>& prefabCounts() const { return prefab_counts_; }
 
+  /// The sum of the hashes of all live instances, kept as they come, move and go; see World::checksum().
+  uint64_t checksum() const { return checksum_; }
+
   /// Copies of the slots written since the last call, in the order first written.
   std::vector<ChangeSet::Slot> takeDirty();
 
@@ -47,6 +50,7 @@ class InstanceTable {
   std::vector<uint32_t> prefab_counts_;
   std::vector<uint32_t> dirty_slots_;
   std::vector<bool> is_dirty_;  // by slot
+  uint64_t checksum_ = 0;
 };
 
 }  // namespace helio::world

@@ -35,7 +35,12 @@ World::~World() = default;
 
 Result<Batch> World::resolve(std::span<const Edit> edits) const {
   const std::lock_guard lock(mutex_);
-  return Resolver({*scene_, prefab_by_name_, limits_, *table_, environment_, next_id_}).resolve(edits);
+  auto batch = Resolver({*scene_, prefab_by_name_, limits_, *table_, environment_, next_id_}).resolve(edits);
+  if (batch) {
+    batch->tick = tick_;
+    batch->time = time_;
+  }
+  return batch;
 }
 
 Result<void> World::apply(uint64_t seq, const Batch& batch) {
@@ -51,6 +56,8 @@ Result<void> World::apply(uint64_t seq, const Batch& batch) {
     std::visit([this](const auto& resolved) { commit(resolved); }, edit);
   }
   seq_ = seq;
+  tick_ = std::max(tick_, batch.tick);
+  if (std::isfinite(batch.time)) time_ = std::max(time_, batch.time);
   return {};
 }
 

@@ -74,10 +74,12 @@ using ResolvedEdit = std::variant<ResolvedBuild, ResolvedDestroy, ResolvedMove, 
 
 struct Batch {
   std::vector<ResolvedEdit> edits;
+  uint64_t tick = 0;  ///< the world's clock when it was resolved: replaying the batch sets the clock no earlier
+  double time = 0.0;  ///< seconds
 };
 
-/// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown version or kind
-/// (invalid).
+/// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown kind (damaged), a newer
+/// version (unsupported).
 std::string encode(const Batch& batch);
 Result<Batch> decode(std::span<const std::byte> bytes);
 
@@ -117,6 +119,12 @@ struct Found {
   glm::mat4x3 transform;
 };
 
+/// A world at a sequence number, as bytes: what users made of the base scene, which is needed to read it again.
+struct Saved {
+  uint64_t seq = 0;
+  std::string bytes;
+};
+
 class InstanceTable;
 
 /// Thread-safe: one mutex guards everything, and no call gives out references into what it guards. Writers call
@@ -147,6 +155,18 @@ class World {
   /// Advances the clock by `seconds` (less than 0 or not finite counts as 0) and hands out what changed since the last
   /// call. Costs what changed, not what exists; the first call hands out everything.
   ChangeSet beginTick(double seconds);
+
+  /// Everything that edits and the clock made of the base scene. Costs a look at every instance, under the mutex: some
+  /// 20 ms a million.
+  Saved save() const;
+  /// A world that was saved, into one of the same base scene that nothing has happened to yet; whole or not at all.
+  /// Errors: something has happened to it (conflict), the bytes make no sense for this scene (damaged), a newer version
+  /// (unsupported).
+  Result<void> restore(const Saved& saved);
+
+  /// Equal for worlds whose instances, light and next id are equal, and for no others but by chance (one in 2^64); the
+  /// history, the clock and the slots do not matter.
+  uint64_t checksum() const;
 
   uint64_t seq() const;  ///< of the newest applied batch; 0 = none
   uint64_t instanceCount() const;

@@ -9,11 +9,15 @@ namespace {
 
 using ::testing::HasSubstr;
 
+const std::string kClock(16, '\0');  // tick 0, time 0
+
 Batch everyKind() {
   Pose turned{{1, -2, 3.5f}, glm::quat(0.5f, -0.5f, 0.5f, 0.5f), 0.25f};
   scene::Environment environment{{{0, -1, 0}, {1, 2, 3}, 0.4f}, {{4, 5, 6}, {7, 8, 9}}};
   return {{ResolvedBuild{kHouse, 5, {turned, {}}}, ResolvedDestroy{{2, 5}}, ResolvedDestroy{}, ResolvedMove{3, turned},
-           ResolvedEnvironment{environment}}};
+           ResolvedEnvironment{environment}},
+          17,
+          2.5};
 }
 
 TEST(Codec, RoundTrips) {
@@ -21,6 +25,8 @@ TEST(Codec, RoundTrips) {
   const Result<Batch> again = decode(bytesOf(encode(batch)));
   ASSERT_TRUE(again.ok()) << again.error().message;
   ASSERT_EQ(again->edits.size(), batch.edits.size());
+  EXPECT_EQ(again->tick, 17u);
+  EXPECT_EQ(again->time, 2.5);
 
   const auto& build = std::get<ResolvedBuild>(again->edits[0]);
   EXPECT_EQ(build.prefab, kHouse);
@@ -40,12 +46,14 @@ TEST(Codec, RoundTrips) {
 TEST(Codec, BytesAreWhatTheFormatSays) {
   const std::string expected(
       "\x01"
+      "\x03\x00\x00\x00\x00\x00\x00\x00"
+      "\x00\x00\x00\x00\x00\x00\xf8\x3f"
       "\x01\x00\x00\x00"
       "\x02"
       "\x01\x00\x00\x00"
       "\x08\x07\x06\x05\x04\x03\x02\x01",
-      18);
-  EXPECT_EQ(encode({{ResolvedDestroy{{0x0102030405060708}}}}), expected);
+      34);
+  EXPECT_EQ(encode({{ResolvedDestroy{{0x0102030405060708}}}, 3, 1.5}), expected);
 }
 
 TEST(Codec, ApplyingDecodedBatchesGivesTheSameWorld) {
@@ -75,7 +83,7 @@ TEST(Codec, EveryTruncationIsRefused) {
   for (size_t length = 0; length < bytes.size(); ++length) {
     const Result<Batch> batch = decode(bytesOf(bytes.substr(0, length)));
     ASSERT_FALSE(batch.ok()) << length;
-    EXPECT_EQ(batch.error().kind, ErrorKind::invalid);
+    EXPECT_EQ(batch.error().kind, ErrorKind::damaged);
   }
 }
 
@@ -83,18 +91,23 @@ TEST(Codec, NamesWhatIsWrong) {
   const std::string good = encode(everyKind());
   const auto messageOf = [](const std::string& bytes) { return decode(bytesOf(bytes)).error().message; };
   EXPECT_THAT(messageOf(good + '\0'), HasSubstr("1 bytes too many"));
-  EXPECT_THAT(messageOf("\x07" + good.substr(1)), HasSubstr("version 7 instead of 1"));
-  EXPECT_THAT(messageOf(std::string("\x01\x01\x00\x00\x00\x09\x00\x00\x00\x00", 10)),
-              HasSubstr("unknown kind 9 at byte 5"));
+  EXPECT_THAT(messageOf("\x07" + good.substr(1)), HasSubstr("version 7, this server knows versions up to 1"));
+  EXPECT_EQ(decode(bytesOf("\x07" + good.substr(1))).error().kind, ErrorKind::unsupported);
+  EXPECT_THAT(messageOf(std::string(1, '\0') + good.substr(1)), HasSubstr("version 0 instead of 1"));
+  EXPECT_THAT(messageOf("\x01" + kClock + std::string("\x01\x00\x00\x00\x09\x00\x00\x00\x00", 9)),
+              HasSubstr("unknown kind 9 at byte 21"));
   EXPECT_THAT(messageOf(good.substr(0, good.size() - 1)), HasSubstr("truncated"));
   EXPECT_THAT(messageOf(""), HasSubstr("nothing there"));
 }
 
 TEST(Codec, CountsThatTheInputCannotHoldAreRefused) {
-  const auto isRefused = [](const char* bytes, size_t size) { return !decode(bytesOf(std::string(bytes, size))).ok(); };
-  EXPECT_TRUE(isRefused("\x01\xff\xff\xff\xff\x02\x00\x00\x00\x00", 10));                  // four billion edits
-  EXPECT_TRUE(isRefused("\x01\x01\x00\x00\x00\x02\xff\xff\xff\xff\x00\x00\x00\x00", 14));  // four billion ids
-  EXPECT_TRUE(isRefused("\x01\x01\x00\x00\x00\x02\x00\x00\x00\x20\x00\x00\x00\x00", 14));  // 2^29 * 8 wraps in 32 bits
+  const auto isRefused = [](const char* edits, size_t size) {
+    return !decode(bytesOf("\x01" + kClock + std::string(edits, size))).ok();
+  };
+  EXPECT_FALSE(isRefused("\x01\x00\x00\x00\x02\x00\x00\x00\x00", 9));
+  EXPECT_TRUE(isRefused("\xff\xff\xff\xff\x02\x00\x00\x00\x00", 9));                   // four billion edits
+  EXPECT_TRUE(isRefused("\x01\x00\x00\x00\x02\xff\xff\xff\xff\x00\x00\x00\x00", 13));  // four billion ids
+  EXPECT_TRUE(isRefused("\x01\x00\x00\x00\x02\x00\x00\x00\x20\x00\x00\x00\x00", 13));  // 2^29 * 8 wraps in 32 bits
 }
 
 TEST(Codec, RandomDamageNeverCrashesAndNeverPassesUnnoticed) {
