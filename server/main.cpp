@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "service/server.h"
+#include "service/synthetic_renderer.h"
 #include "store/sqlite_edit_log.h"
 
 namespace {
@@ -21,6 +22,7 @@ constexpr const char* kExamples = R"(Examples:
   heliographd --device cpu --listen 127.0.0.1:0 --port-file port.txt
                                                  on the software device, at a free port that port.txt names
   heliographd --log-dir ~/worlds                 every acknowledged edit is on disk, and there again after a restart
+  heliographd --renderer synthetic               no device: black and white blocks, for measuring the service
   heliographd --gltf-root ~/models               clients may make worlds of the files in there
 Every flag can be set in the environment too: HELIOGRAPH_LISTEN, HELIOGRAPH_CITY, ...
 The first SIGTERM or SIGINT tells the viewers and ends in order, the second ends at once.)";
@@ -57,6 +59,9 @@ int main(int argc, char** argv) {
   config.version = HELIOGRAPH_VERSION;
   config.encoder_threads = std::max(1u, std::thread::hardware_concurrency() / 2);
   render::RendererOptions device;
+  service::SyntheticOptions synthetic;
+  uint64_t synthetic_frame_us = 0;
+  std::string renderer_name = "vulkan";
   scene::CityParameters city{1, 0};
   std::string world = "city", log_folder, port_file, log_level = "info";
 
@@ -70,6 +75,10 @@ int main(int argc, char** argv) {
   };
   flag("--listen", config.address, "host:port on loopback; port 0 picks a free one");
   flag("--port-file", port_file, "file that gets the bound host:port, when the server is ready");
+  flag("--renderer", renderer_name, "vulkan, or synthetic: pictures of blocks that say what they show, without a device")
+      ->check(CLI::IsMember({"vulkan", "synthetic"}));
+  flag("--synthetic-frame-us", synthetic_frame_us, "microseconds that a tick of the synthetic renderer takes");
+  flag("--synthetic-noise", synthetic.noise, "grey levels of noise in its pictures, 0 to 100")->check(CLI::Range(0, 100));
   flag("--device", device.device, "part of a Vulkan device's name, cpu or gpu; empty: the best there is");
   app.add_flag("--validation", device.validation, "Vulkan's validation layer")->envname("HELIOGRAPH_VALIDATION");
   flag("--log-dir", log_folder, "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
@@ -101,7 +110,8 @@ int main(int argc, char** argv) {
   };
   auto log = openLog(log_folder, config.on_fatal);
   if (!log) return fail(log.error().message);
-  auto renderer = render::makeRenderer(device);
+  synthetic.frame_time = std::chrono::microseconds(synthetic_frame_us);
+  auto renderer = renderer_name == "synthetic" ? service::makeSyntheticRenderer(synthetic) : render::makeRenderer(device);
   if (!renderer) return fail(renderer.error().message);
   auto server = service::Server::start(std::move(config), **renderer, **log);
   if (!server) return fail(server.error().message);

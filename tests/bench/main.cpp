@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "bench/command.h"
+#include "bench/crash.h"
 #include "bench/fidelity.h"
 #include "bench/frame.h"
 #include "bench/report.h"
@@ -28,7 +29,7 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("helio-bench"));  // standard output is the result's
   spdlog::set_level(spdlog::level::warn);
 
-  CLI::App app("Measures the renderer in this process, without a network. One benchmark a subcommand.", "helio-bench");
+  CLI::App app("Measures the parts in this process, without a network. One benchmark a subcommand.", "helio-bench");
   app.footer("Exit status: 0 success, 1 the measurement failed, 2 wrong usage.");
   app.require_subcommand(1);
   bench::Action action;
@@ -36,6 +37,7 @@ int main(int argc, char** argv) {
   bench::addFrameCommand(app, command_line, action);
   bench::addFidelityCommand(app, command_line, action);
   bench::addSamplerCommand(app, command_line, action);
+  bench::addCrashCommand(app, command_line, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

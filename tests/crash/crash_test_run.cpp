@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -200,7 +201,7 @@ class Run {
         if (snapshot.seq >= model.snapshot_seq + kSnapshotEvery) snapshot.bytes = model.content.snapshot();
       }
       if (snapshot.bytes.empty()) {
-        std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::microseconds(300));
         continue;
       }
       if (!log.putSnapshot(model.name, model.epoch, snapshot)) return;

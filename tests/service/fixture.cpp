@@ -142,6 +142,12 @@ ServiceTest::~ServiceTest() {
 
 void ServiceTest::restart(const std::function<void(service::ServerConfig&)>& adjust) {
   server_.reset();
+  log_ = store::makeMemoryEditLog();
+  serve(adjust);
+}
+
+void ServiceTest::serve(const std::function<void(service::ServerConfig&)>& adjust) {
+  server_.reset();
   service::ServerConfig config;
   config.address = "127.0.0.1:0";
   config.version = "test";

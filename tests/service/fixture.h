@@ -68,8 +68,10 @@ class ServiceTest : public testing::Test {
  protected:
   ServiceTest();
   ~ServiceTest() override;
-  /// With limits other than the usual ones; called before anything else.
+  /// With limits other than the usual ones and without worlds; called before anything else.
   void restart(const std::function<void(service::ServerConfig&)>& adjust);
+  /// Another server, with what is in `log_`.
+  void serve(const std::function<void(service::ServerConfig&)>& adjust);
 
   /// Two triangles, ready; `buildable_` is their prefab.
   void makeWorld(const std::string& name);
@@ -88,7 +90,7 @@ class ServiceTest : public testing::Test {
 
   std::filesystem::path folder_;  ///< the server's glTF folder; the world of makeWorld() is in it
   FakeRenderer renderer_;
-  std::unique_ptr<store::EditLog> log_ = store::makeMemoryEditLog();
+  std::unique_ptr<store::EditLog> log_;
   std::unique_ptr<service::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::WorldService::Stub> worlds_;
