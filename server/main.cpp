@@ -75,13 +75,16 @@ int main(int argc, char** argv) {
   };
   flag("--listen", config.address, "host:port on loopback; port 0 picks a free one");
   flag("--port-file", port_file, "file that gets the bound host:port, when the server is ready");
-  flag("--renderer", renderer_name, "vulkan, or synthetic: pictures of blocks that say what they show, without a device")
+  flag("--renderer", renderer_name,
+       "vulkan, or synthetic: pictures of blocks that say what they show, without a device")
       ->check(CLI::IsMember({"vulkan", "synthetic"}));
   flag("--synthetic-frame-us", synthetic_frame_us, "microseconds that a tick of the synthetic renderer takes");
-  flag("--synthetic-noise", synthetic.noise, "grey levels of noise in its pictures, 0 to 100")->check(CLI::Range(0, 100));
+  flag("--synthetic-noise", synthetic.noise, "grey levels of noise in its pictures, 0 to 100")
+      ->check(CLI::Range(0, 100));
   flag("--device", device.device, "part of a Vulkan device's name, cpu or gpu; empty: the best there is");
   app.add_flag("--validation", device.validation, "Vulkan's validation layer")->envname("HELIOGRAPH_VALIDATION");
-  flag("--log-dir", log_folder, "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
+  flag("--log-dir", log_folder,
+       "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
   flag("--gltf-root", config.gltf_root, "folder whose glTF files may become worlds")->check(CLI::ExistingDirectory);
   flag("--city", city.instances, "make a city of so many instances at the start, 1,000 to 1,000,000");
   flag("--seed", city.seed, "of that city");
@@ -111,7 +114,8 @@ int main(int argc, char** argv) {
   auto log = openLog(log_folder, config.on_fatal);
   if (!log) return fail(log.error().message);
   synthetic.frame_time = std::chrono::microseconds(synthetic_frame_us);
-  auto renderer = renderer_name == "synthetic" ? service::makeSyntheticRenderer(synthetic) : render::makeRenderer(device);
+  auto renderer =
+      renderer_name == "synthetic" ? service::makeSyntheticRenderer(synthetic) : render::makeRenderer(device);
   if (!renderer) return fail(renderer.error().message);
   auto server = service::Server::start(std::move(config), **renderer, **log);
   if (!server) return fail(server.error().message);

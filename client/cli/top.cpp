@@ -72,8 +72,8 @@ std::string describe(const v1::TelemetrySample& sample, const std::string& serve
   for (const auto& world : sample.worlds()) {
     line(out, "world %-16s %llu instances  seq %llu  checksum %s  %.1f ticks/s of %.1f ms  edit to picture %.0f ms",
          world.world().c_str(), static_cast<unsigned long long>(world.instances()),
-         static_cast<unsigned long long>(world.seq()), hexadecimal(world.checksum()).c_str(), double(world.ticks_per_second()), double(world.tick_ms()),
-         double(world.edit_to_picture_ms()));
+         static_cast<unsigned long long>(world.seq()), hexadecimal(world.checksum()).c_str(),
+         double(world.ticks_per_second()), double(world.tick_ms()), double(world.edit_to_picture_ms()));
     for (const auto& viewer : world.viewers()) describe(viewer, out);
   }
   return out;

@@ -55,11 +55,6 @@ std::string HostedWorld::error() const {
   return error_.message;
 }
 
-double HostedWorld::time() const {
-  std::lock_guard lock(mutex_);
-  return time_;
-}
-
 Outcome<world::World*> HostedWorld::content() {
   std::lock_guard lock(mutex_);
   if (stop_reason_) return *stop_reason_;
@@ -285,10 +280,6 @@ void HostedWorld::tick(const Views& wanted) {
   auto changes = content_->beginTick(std::chrono::duration<double>(now - last_tick_).count());
   last_tick_ = now;
   if (unrendered_) changes = merge(std::move(*std::exchange(unrendered_, std::nullopt)), std::move(changes));
-  {
-    std::lock_guard lock(mutex_);
-    time_ = changes.time;
-  }
 
   if (auto rendered = render(changes, wanted); !rendered) {
     if (rendered.error().kind == ErrorKind::internal) {

@@ -41,7 +41,6 @@ class HostedWorld {
   State state() const;
   std::string error() const;  ///< why it failed
   uint64_t epoch() const { return log_.epoch(); }
-  double time() const;  ///< world time, seconds
 
   /// The world's content. Failures: loading (retry), failed, deleted.
   Outcome<const world::World*> content() const;
@@ -100,7 +99,6 @@ class HostedWorld {
   Views views_;    ///< attached sinks
   Views leaving_;  ///< detached, their views not freed yet
   telemetry::WorldCounters counters_;
-  double time_ = 0;
 
   std::unique_ptr<world::World> content_;       // written before state_ becomes ready
   WorldLog log_;                                // goes before content_

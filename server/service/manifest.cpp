@@ -71,17 +71,19 @@ Result<Manifest> decodeManifest(const std::string& bytes) {
   try {
     const auto format = json.at("format").get<unsigned>();
     if (format > kFormat)
-      return unreadable(ErrorKind::unsupported,
-                        fmt::format("format {}, this server knows formats up to {}: start the newer one", format, kFormat));
+      return unreadable(
+          ErrorKind::unsupported,
+          fmt::format("format {}, this server knows formats up to {}: start the newer one", format, kFormat));
     Manifest manifest;
     manifest.digest = json.at("digest").get<std::string>();
     if (json.contains("city")) {
       const Json& city = json["city"];
       const auto generator = city.at("generator").get<unsigned>();
       if (generator != kCityGenerator)
-        return unreadable(ErrorKind::unsupported,
-                          fmt::format("the city is of generator {}, this server has generator {}: start the one that made it",
-                                      generator, kCityGenerator));
+        return unreadable(
+            ErrorKind::unsupported,
+            fmt::format("the city is of generator {}, this server has generator {}: start the one that made it",
+                        generator, kCityGenerator));
       manifest.source = scene::CityParameters{city.at("seed").get<uint64_t>(), city.at("instances").get<uint32_t>()};
     } else {
       manifest.source = Manifest::Gltf{json.at("gltf").at("path").get<std::string>()};

@@ -28,8 +28,8 @@ struct Manifest {
 std::string encode(const Manifest& manifest);
 Result<Manifest> decodeManifest(const std::string& bytes);
 
-/// What edits depend on: prefabs by name and index, base instances by number. Of a file also every vertex and transform;
-/// of a generated city not, for they depend, in their last digits, on the C library's sine.
+/// What edits depend on: prefabs by name and index, base instances by number. Of a file also every vertex and
+/// transform; of a generated city not, for they depend, in their last digits, on the C library's sine.
 std::string digestOf(const scene::Scene& scene, const Manifest& manifest);
 
 }  // namespace helio::service

@@ -29,9 +29,9 @@ struct ServerConfig {
 
 class Server {
  public:
-  /// Listens and serves; the worlds of the log are here again, and being loaded. `renderer` and `log` outlive the server.
-  /// Errors: the log's; (limit): it holds too many worlds; (invalid): an address that is not loopback,
-  /// for without credentials everybody who reaches the port may build and destroy; (unavailable): an address in use.
+  /// Listens and serves; the worlds of the log are here again, and being loaded. `renderer` and `log` outlive the
+  /// server. Errors: the log's; (limit): it holds too many worlds; (invalid): an address that is not loopback, for
+  /// without credentials everybody who reaches the port may build and destroy; (unavailable): an address in use.
   static Result<std::unique_ptr<Server>> start(ServerConfig config, render::Renderer& renderer, store::EditLog& log);
   /// drain(), unless that was done.
   ~Server();

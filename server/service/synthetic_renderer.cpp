@@ -95,7 +95,8 @@ class SyntheticRenderer final : public render::Renderer {
 
  private:
   static Error unknown(const std::string& what, uint64_t handle) {
-    return {ErrorKind::internal, "there is no " + what + " " + std::to_string(handle), what, std::to_string(handle), {}};
+    return {
+        ErrorKind::internal, "there is no " + what + " " + std::to_string(handle), what, std::to_string(handle), {}};
   }
 
   Result<void> check(render::WorldHandle world, std::span<const render::ViewRequest> views) {

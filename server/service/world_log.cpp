@@ -90,8 +90,9 @@ Result<void> WorldLog::checkScene(const scene::Scene& scene, Manifest manifest) 
   }
   if (manifest.digest == digest) return {};
   return Error{ErrorKind::unsupported,
-               manifest.description() + " is not the scene any more that the world's edits were made in; put it back as "
-                                        "it was, or delete the world",
+               manifest.description() +
+                   " is not the scene any more that the world's edits were made in; put it back as "
+                   "it was, or delete the world",
                "world", digest, manifest.digest};
 }
 
@@ -119,8 +120,11 @@ Result<uint64_t> WorldLog::catchUp(world::World& world) {
       const auto batch = world::decode(std::as_bytes(std::span(record.bytes)));
       if (!batch) return batch.error();
       if (auto applied = world.apply(record.seq, *batch); !applied)
-        return Error{ErrorKind::damaged, fmt::format("record {} does not fit the world: {}", record.seq, applied.error().message),
-                     "world", world_, {}};
+        return Error{ErrorKind::damaged,
+                     fmt::format("record {} does not fit the world: {}", record.seq, applied.error().message),
+                     "world",
+                     world_,
+                     {}};
       bytes += record.bytes.size();
     }
   }

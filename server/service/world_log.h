@@ -75,7 +75,7 @@ class WorldLog {
   const std::function<void(const Error&)> on_fatal_;
   std::atomic<uint64_t> epoch_ = 0;
 
-  std::mutex edit_mutex_;  // what was resolved is logged and applied before anything else is resolved
+  std::mutex edit_mutex_;   // what was resolved is logged and applied before anything else is resolved
   bool unsettled_ = false;  ///< an append's answer was lost: the log may be ahead of the world
 
   std::mutex snapshot_mutex_;  // guards what follows

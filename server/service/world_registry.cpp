@@ -77,13 +77,14 @@ Outcome<void> WorldRegistry::reserve(std::string& name) {
     return Failure{
         v1::ERROR_REASON_WORLD_EXISTS,
         {ErrorKind::conflict, "world \"" + name + "\" exists; choose another name or delete it", "world", name, {}}};
-  if (std::any_of(dying_.begin(), dying_.end(), [&](const WorldPtr& w) { return w->name() == name; }))
+  if (leaving_.count(name) != 0 ||
+      std::any_of(dying_.begin(), dying_.end(), [&](const WorldPtr& w) { return w->name() == name; }))
     return Failure{
         v1::ERROR_REASON_UNAVAILABLE,
         {ErrorKind::unavailable, "world \"" + name + "\" is still being deleted; try again", "world", name, {}},
         kDeletingRetryMs};
   const std::string most = std::to_string(limits_.max_worlds);
-  if (worlds_.size() + entering_.size() + dying_.size() >= limits_.max_worlds)
+  if (worlds_.size() + entering_.size() + leaving_.size() + dying_.size() >= limits_.max_worlds)
     return beyondLimit("world", name, most, fmt::format("this server holds its {} worlds already; delete one", most));
   entering_.insert(name);
   return {};
@@ -118,19 +119,23 @@ std::vector<WorldPtr> WorldRegistry::list(const std::string& after) const {
 }
 
 Outcome<void> WorldRegistry::remove(const std::string& name) {
+  WorldPtr world;
   {
     std::lock_guard lock(mutex_);
     if (draining_) return draining();
     const auto found = worlds_.find(name);
     if (found == worlds_.end()) return unknownWorld(name);
-    found->second->stop(worldDeleted(name));
-    dying_.push_back(found->second);
+    world = found->second;
     worlds_.erase(found);
+    leaving_.insert(name);
   }
-  auto removed = environment_.log->remove(name);  // a disk's time: nobody else waits
-  if (!removed && removed.error().kind != ErrorKind::not_found) return Failure(removed.error());
+  world->stop(worldDeleted(name));
+  const auto removed = environment_.log->remove(name);  // a disk's time: nobody else waits
   std::lock_guard lock(mutex_);
+  leaving_.erase(name);
+  dying_.push_back(std::move(world));
   reap();
+  if (!removed && removed.error().kind != ErrorKind::not_found) return Failure(removed.error());
   return {};
 }
 

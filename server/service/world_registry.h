@@ -32,8 +32,8 @@ class WorldRegistry {
   /// its error, so that it can be looked at and deleted. Errors: the log's, max_worlds (limit).
   Result<void> restore(const FindSource& find_source);
 
-  /// `name` empty: one is chosen. It is in the log when this returns. Failures: name (form, taken, still being deleted),
-  /// max_worlds, draining, the log's.
+  /// `name` empty: one is chosen. It is in the log when this returns. Failures: name (form, taken, still being
+  /// deleted), max_worlds, draining, the log's.
   Outcome<WorldPtr> create(std::string name, WorldSource source);
   Outcome<WorldPtr> find(const std::string& name) const;
   /// By name, ascending; only names after `after`.
@@ -55,8 +55,9 @@ class WorldRegistry {
   const Limits& limits_;
   mutable std::mutex mutex_;
   std::map<std::string, WorldPtr> worlds_;
-  std::set<std::string> entering_;  ///< being entered into the log
-  std::vector<WorldPtr> dying_;  ///< removed, their threads still at work; their names are taken until then
+  // Names that are being written into the log, or out of it; they are taken until then.
+  std::set<std::string> entering_, leaving_;
+  std::vector<WorldPtr> dying_;     ///< removed, their threads still at work; their names are taken until then
   bool draining_ = false;
   uint64_t chosen_names_ = 0;
   std::shared_ptr<std::atomic<uint32_t>> viewers_ = std::make_shared<std::atomic<uint32_t>>(0);

@@ -43,7 +43,7 @@ void describe(HostedWorld& world, v1::World& out) {
   out.set_seq((*content)->seq());
   out.set_epoch(world.epoch());
   out.set_viewers(world.viewers());
-  out.set_time(world.time());
+  out.set_time((*content)->time());
   *out.mutable_bounds() = toWire(scene.bounds());
   for (const auto& named : scene.cameras) {
     auto& camera = *out.add_cameras();

@@ -48,7 +48,8 @@ Outcome<Loader> gltfLoader(const fs::path& root, const std::string& path) {
 
 Outcome<WorldSource> sourceOf(Manifest manifest, const fs::path& gltf_root, const Limits& limits) {
   const auto* city = std::get_if<scene::CityParameters>(&manifest.source);
-  auto loader = city ? cityLoader(*city, limits) : gltfLoader(gltf_root, std::get<Manifest::Gltf>(manifest.source).path);
+  auto loader =
+      city ? cityLoader(*city, limits) : gltfLoader(gltf_root, std::get<Manifest::Gltf>(manifest.source).path);
   if (!loader) return loader.error();
   return WorldSource{std::move(manifest), std::move(*loader)};
 }
@@ -56,7 +57,8 @@ Outcome<WorldSource> sourceOf(Manifest manifest, const fs::path& gltf_root, cons
 Outcome<WorldSource> sourceOf(const v1::CreateWorldRequest& request, const fs::path& gltf_root, const Limits& limits) {
   switch (request.source_case()) {
     case v1::CreateWorldRequest::kCity:
-      return sourceOf({scene::CityParameters{request.city().seed(), request.city().instances()}, {}}, gltf_root, limits);
+      return sourceOf({scene::CityParameters{request.city().seed(), request.city().instances()}, {}}, gltf_root,
+                      limits);
     case v1::CreateWorldRequest::kGltf:
       return sourceOf({Manifest::Gltf{request.gltf().path()}, {}}, gltf_root, limits);
     case v1::CreateWorldRequest::SOURCE_NOT_SET:

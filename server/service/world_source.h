@@ -20,8 +20,8 @@ struct WorldSource {
   std::string description() const { return manifest.description(); }
 };
 
-/// Failures: of a city, `instances` out of range; of a file, whose path is relative to `gltf_root` and may not leave it,
-/// not through links either: no root, outside, no such file.
+/// Failures: of a city, `instances` out of range; of a file, whose path is relative to `gltf_root` and may not leave
+/// it, not through links either: no root, outside, no such file.
 Outcome<WorldSource> sourceOf(Manifest manifest, const std::filesystem::path& gltf_root, const Limits& limits);
 
 Outcome<WorldSource> sourceOf(const v1::CreateWorldRequest& request, const std::filesystem::path& gltf_root,

@@ -73,8 +73,8 @@ class EditLog {
   virtual Result<void> putSnapshot(const std::string& world, uint64_t epoch, const Snapshot& snapshot) = 0;
   /// The newest snapshot, or nothing when there is none yet. Errors: no such world (not_found).
   virtual Result<std::optional<Snapshot>> snapshot(const std::string& world) const = 0;
-  /// Forgets the records up to `seq`; their receipts stay. Errors: a fenced epoch (conflict), a seq that is greater than
-  /// the snapshot's (invalid).
+  /// Forgets the records up to `seq`; their receipts stay. Errors: a fenced epoch (conflict), a seq that is greater
+  /// than the snapshot's (invalid).
   virtual Result<void> truncate(const std::string& world, uint64_t epoch, uint64_t seq) = 0;
 
   /// What the world is made of, in the caller's words. Errors: a fenced epoch (conflict).

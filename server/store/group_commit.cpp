@@ -70,8 +70,8 @@ Result<void> GroupCommit::commit(const std::vector<Job*>& group) {
   return {};
 }
 
-// After a failed sync nobody knows what is on the disk, and a second sync may succeed without having written it: the way
-// back is to start again from what can be read. A full disk is different, for there nothing was written.
+// After a failed sync nobody knows what is on the disk, and a second sync may succeed without having written it: the
+// way back is to start again from what can be read. A full disk is different, for there nothing was written.
 Result<void> GroupCommit::fail(Error error, bool fatal) {
   spdlog::error("{}", error.message);
   if (fatal) {

@@ -15,9 +15,9 @@ namespace fs = std::filesystem;
 std::optional<std::string> networkFileSystem(long type) {
   // statfs(2); linux/magic.h lacks some of them.
   constexpr std::pair<unsigned long, const char*> kNetwork[] = {
-      {0x6969, "NFS"},       {0x517b, "SMB"},           {0xfe534d42, "SMB2"}, {0xff534d42, "CIFS"}, {0x5346414f, "AFS"},
-      {0x6b414653, "kAFS"},  {0x73757245, "Coda"},      {0x564c, "NCP"},      {0x00c36400, "Ceph"}, {0x0bd00bd0, "Lustre"},
-      {0x01161970, "GFS2"},  {0x7461636f, "OCFS2"},     {0x19830326, "FhGFS"},  {0x47504653, "GPFS"}};
+      {0x6969, "NFS"},      {0x517b, "SMB"},       {0xfe534d42, "SMB2"},  {0xff534d42, "CIFS"}, {0x5346414f, "AFS"},
+      {0x6b414653, "kAFS"}, {0x73757245, "Coda"},  {0x564c, "NCP"},       {0x00c36400, "Ceph"}, {0x0bd00bd0, "Lustre"},
+      {0x01161970, "GFS2"}, {0x7461636f, "OCFS2"}, {0x19830326, "FhGFS"}, {0x47504653, "GPFS"}};
   for (const auto& [magic, name] : kNetwork)
     if ((static_cast<unsigned long>(type) & 0xffffffffu) == magic) return name;
   return std::nullopt;
@@ -25,7 +25,9 @@ std::optional<std::string> networkFileSystem(long type) {
 
 Result<void> prepareLogFolder(const fs::path& folder) {
   const std::string name = folder.string();
-  const auto refuse = [&](const std::string& why) { return invalid("log-dir", name, fmt::format("log folder {}: {}", name, why)); };
+  const auto refuse = [&](const std::string& why) {
+    return invalid("log-dir", name, fmt::format("log folder {}: {}", name, why));
+  };
   std::error_code error;
   const bool made = fs::create_directories(folder, error);
   if (error) return refuse(error.message());

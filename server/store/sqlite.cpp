@@ -24,7 +24,8 @@ Error toError(const SqliteFailure& failure, const std::string& path) {
             path,
             {}};
   if (failure.diskFull())
-    return {ErrorKind::unavailable, fmt::format("the disk that holds {} is full: make room", path), "log-dir", path, {}};
+    return {
+        ErrorKind::unavailable, fmt::format("the disk that holds {} is full: make room", path), "log-dir", path, {}};
   return {ErrorKind::unavailable, fmt::format("{}: {}; look at the disk", path, failure.what()), "log-dir", path, {}};
 }
 

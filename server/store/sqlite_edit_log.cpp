@@ -16,7 +16,7 @@
 namespace helio::store {
 namespace {
 
-constexpr size_t kPartBytes = 1 << 20;    // of a snapshot: what one transaction writes of it
+constexpr size_t kPartBytes = 1 << 20;      // of a snapshot: what one transaction writes of it
 constexpr uint64_t kTruncateAtOnce = 2000;  // records that one transaction deletes
 
 class SqliteEditLog final : public EditLog {
@@ -228,9 +228,9 @@ class SqliteEditLog final : public EditLog {
     const std::lock_guard lock(mutex_);
     try {
       return read(tables_);
-    } catch (const Damage& damage) {
-      return toError(damage, path_);
-    } catch (const SqliteFailure& failure) { return toError(failure, path_); }
+    } catch (const Damage& damage) { return toError(damage, path_); } catch (const SqliteFailure& failure) {
+      return toError(failure, path_);
+    }
   }
 
   /// Calls `write` in a transaction. What it finds wrong, it must find before its first change.
@@ -265,7 +265,7 @@ class SqliteEditLog final : public EditLog {
   std::mutex snapshot_mutex_;
   std::mutex watchers_mutex_;
   std::unordered_map<std::string, std::shared_ptr<Watchers>> watchers_;  // outlive their worlds: watches are by name
-  GroupCommit commits_;  // last: its thread uses all of the above
+  GroupCommit commits_;                                                  // last: its thread uses all of the above
 };
 
 Error refuse(ErrorKind kind, const std::string& path, const std::string& why) {
@@ -290,24 +290,27 @@ Result<std::unique_ptr<EditLog>> openSqliteEditLog(SqliteLogOptions options) {
     if (kind == SqliteTables::Kind::foreign)
       return refuse(ErrorKind::unsupported, path, "is a database, but no log of heliographd; choose another folder");
     if (kind == SqliteTables::Kind::newer)
-      return refuse(ErrorKind::unsupported, path,
-                    fmt::format("has format {}, this heliographd knows formats up to {}; start the newer one that wrote it",
-                                database->pragma("user_version"), SqliteTables::kFormat));
+      return refuse(
+          ErrorKind::unsupported, path,
+          fmt::format("has format {}, this heliographd knows formats up to {}; start the newer one that wrote it",
+                      database->pragma("user_version"), SqliteTables::kFormat));
     database->keepWalOnClose(false);
     database->execute("PRAGMA journal_mode = WAL");
     database->execute(options.synchronous ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = OFF");
     database->execute(fmt::format("PRAGMA wal_autocheckpoint = {}", options.checkpoint_pages));
     if (kind == SqliteTables::Kind::empty) SqliteTables::create(*database);
     else if (tail->incomplete_bytes > 0)
-      spdlog::warn("{}: the last {} bytes of its write-ahead log are of a transaction that was never complete, nor "
-                   "acknowledged; they were cut",
-                   path, tail->incomplete_bytes);
+      spdlog::warn(
+          "{}: the last {} bytes of its write-ahead log are of a transaction that was never complete, nor "
+          "acknowledged; they were cut",
+          path, tail->incomplete_bytes);
     auto log = std::make_unique<SqliteEditLog>(std::move(options), path, std::move(database));
     if (auto swept = log->removeWaste(); !swept) return swept.error();
     return std::unique_ptr<EditLog>(std::move(log));
   } catch (const SqliteFailure& failure) {
     if (failure.busy())
-      return refuse(ErrorKind::unavailable, path, "another heliographd has this log; stop it, or choose another folder");
+      return refuse(ErrorKind::unavailable, path,
+                    "another heliographd has this log; stop it, or choose another folder");
     return toError(failure, path);
   }
 }

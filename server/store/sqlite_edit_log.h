@@ -24,7 +24,8 @@ struct SqliteLogOptions {
   /// SQLite's file system; empty: the system's, and the folder is looked at.
   std::string vfs;
   /// The disk or the database failed while writing. What was acknowledged is safe; nothing more will be: every later
-  /// append is answered `unknown`. The process should end; a restart reads what is there. Called on a thread of the log.
+  /// append is answered `unknown`. The process should end; a restart reads what is there. Called on a thread of the
+  /// log.
   std::function<void(const Error&)> on_fatal;
 };
 

@@ -59,8 +59,18 @@ class Checksum {
 };
 
 uint64_t checksumOf(const WorldRow& w) {
-  return Checksum("world").add(w.id).add(w.name).add(w.epoch).add(w.forgotten).add(w.last_seq).add(w.requests)
-      .add(w.snapshot_seq).add(w.snapshot_parts).add(w.snapshot_generation).add(w.manifest).value();
+  return Checksum("world")
+      .add(w.id)
+      .add(w.name)
+      .add(w.epoch)
+      .add(w.forgotten)
+      .add(w.last_seq)
+      .add(w.requests)
+      .add(w.snapshot_seq)
+      .add(w.snapshot_parts)
+      .add(w.snapshot_generation)
+      .add(w.manifest)
+      .value();
 }
 uint64_t checksumOf(uint64_t world, const Record& r) {
   return Checksum("record").add(world).add(r.seq).add(r.request_id).add(r.bytes).value();
@@ -125,16 +135,19 @@ SqliteTables::SqliteTables(Database& d)
       read_waste_(d.handle(), "SELECT world FROM waste LIMIT 1"),
       add_waste_(d.handle(), "INSERT INTO waste SELECT id FROM world WHERE name = ?"),
       remove_waste_(d.handle(), "DELETE FROM waste WHERE world = ?"),
-      waste_records_(d.handle(),
-                     "DELETE FROM record WHERE world = ?1 AND seq IN (SELECT seq FROM record WHERE world = ?1 LIMIT ?2)"),
+      waste_records_(
+          d.handle(),
+          "DELETE FROM record WHERE world = ?1 AND seq IN (SELECT seq FROM record WHERE world = ?1 LIMIT ?2)"),
       waste_requests_(d.handle(),
                       "DELETE FROM request WHERE world = ?1 AND request_id IN "
                       "(SELECT request_id FROM request WHERE world = ?1 LIMIT ?2)"),
-      waste_parts_(d.handle(),
-                   "DELETE FROM snapshot_part WHERE rowid IN (SELECT rowid FROM snapshot_part WHERE world = ? LIMIT ?)"),
+      waste_parts_(
+          d.handle(),
+          "DELETE FROM snapshot_part WHERE rowid IN (SELECT rowid FROM snapshot_part WHERE world = ? LIMIT ?)"),
       insert_record_(d.handle(), "INSERT INTO record VALUES (?, ?, ?, ?, ?)"),
-      read_records_(d.handle(),
-                    "SELECT seq, request_id, bytes, checksum FROM record WHERE world = ? AND seq > ? ORDER BY seq LIMIT ?"),
+      read_records_(
+          d.handle(),
+          "SELECT seq, request_id, bytes, checksum FROM record WHERE world = ? AND seq > ? ORDER BY seq LIMIT ?"),
       remove_records_(d.handle(), "DELETE FROM record WHERE world = ? AND seq <= ?"),
       insert_request_(d.handle(), "INSERT INTO request VALUES (?, ?, ?, ?, ?)"),
       read_request_(d.handle(), "SELECT seq, receipt, checksum FROM request WHERE world = ? AND request_id = ?"),
@@ -298,8 +311,8 @@ void SqliteTables::verify(const WorldRow& world) {
     expect(query.integer(3) == checksumOf(world.id, request_id, receipt) && receipt.seq <= world.last_seq,
            fmt::format("the receipt of request \"{}\" of world \"{}\"", request_id, world.name));
   }
-  expect(requests == world.requests, fmt::format("the receipts of world \"{}\": {} of {} are there", world.name, requests,
-                                                 world.requests));
+  expect(requests == world.requests,
+         fmt::format("the receipts of world \"{}\": {} of {} are there", world.name, requests, world.requests));
 }
 
 }  // namespace helio::store

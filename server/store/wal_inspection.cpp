@@ -125,10 +125,10 @@ Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
 
   const size_t frame_bytes = kFrameHeaderBytes + header->page_bytes;
   std::vector<uint8_t> frame(frame_bytes);
-  bool trusted = true;           // so far
+  bool trusted = true;                  // so far
   uint64_t trusted_end = kHeaderBytes;  // of the last commit
   uint64_t end = kHeaderBytes;          // of the last frame of this generation
-  bool unit_ended = false;       // behind a frame that is not trusted, a commit was seen
+  bool unit_ended = false;              // behind a frame that is not trusted, a commit was seen
   uint64_t at = kHeaderBytes;
   for (; at + frame_bytes <= size; at += frame_bytes) {
     if (!file.read(at, frame)) return unreadable;
@@ -148,8 +148,10 @@ Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
     end = at + frame_bytes;
     if (trusted) continue;
     if (unit_ended)
-      return damaged(path, fmt::format("a frame before byte {} does not match its checksum, and a later transaction was "
-                                       "begun after its own was complete", at));
+      return damaged(path,
+                     fmt::format("a frame before byte {} does not match its checksum, and a later transaction was "
+                                 "begun after its own was complete",
+                                 at));
     unit_ended = commits;
   }
   if (at < size) end = size;  // the write was cut short within a frame

@@ -10,8 +10,8 @@
 namespace helio::store {
 
 struct WalTail {
-  uint64_t commits = 0;          ///< transactions that SQLite will read
-  uint64_t incomplete_bytes = 0; ///< behind the last of them: of one transaction that was never acknowledged
+  uint64_t commits = 0;           ///< transactions that SQLite will read
+  uint64_t incomplete_bytes = 0;  ///< behind the last of them: of one transaction that was never acknowledged
 };
 
 /// `path` is the WAL's own ("edits.db-wal"); it need not exist. `vfs` null: the system's. Whoever writes it syncs each

@@ -73,8 +73,11 @@ ResolvedMove readMove(Reader& in) {
 }
 
 Error malformed(size_t position, std::string value, const std::string& why) {
-  return {ErrorKind::damaged, fmt::format("batch: {} at byte {}, the log is damaged", why, position), "batch",
-          std::move(value), {}};
+  return {ErrorKind::damaged,
+          fmt::format("batch: {} at byte {}, the log is damaged", why, position),
+          "batch",
+          std::move(value),
+          {}};
 }
 
 }  // namespace
@@ -96,10 +99,10 @@ Result<Batch> decode(std::span<const std::byte> bytes) {
   const uint8_t version = in.integer<uint8_t>();
   if (in.failed()) return malformed(0, "0 bytes", "nothing there");
   if (version > kVersion) {
-    return Error{ErrorKind::unsupported,
-                 fmt::format("batch: version {}, this server knows versions up to {}: start the newer one", version,
-                             kVersion),
-                 "batch", fmt::format("{}", version), fmt::format("{}", kVersion)};
+    return Error{
+        ErrorKind::unsupported,
+        fmt::format("batch: version {}, this server knows versions up to {}: start the newer one", version, kVersion),
+        "batch", fmt::format("{}", version), fmt::format("{}", kVersion)};
   }
   if (version != kVersion) {
     return malformed(0, fmt::format("{}", version), fmt::format("version {} instead of {}", version, kVersion));

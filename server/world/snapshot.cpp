@@ -1,4 +1,5 @@
-// A world as bytes. The base scene is not in them: it is known by the manifest, and most of it is as it was. Little-endian:
+// A world as bytes. The base scene is not in them: it is known by the manifest, and most of it is as it was.
+// Little-endian:
 //
 //   u8 version (1), u64 seq, u64 tick, f64 time, u64 instances of the base scene, u64 next id, environment,
 //   u32 destroyed, u64 id each           of the base scene
@@ -96,7 +97,8 @@ bool isFinite(const glm::mat4x3& m) {
 Result<void> check(const Contents& contents, const scene::Scene& scene) {
   const uint64_t base = scene.placements.size();
   if (contents.base_instances != base)
-    return damaged(fmt::format("it was made of a scene of {} instances, this one has {}", contents.base_instances, base));
+    return damaged(
+        fmt::format("it was made of a scene of {} instances, this one has {}", contents.base_instances, base));
   if (!std::isfinite(contents.time) || contents.time < 0) return damaged("its clock is wrong");
   if (const auto sun = checkedSun(contents.environment.sun); !sun) return damaged("its sun: " + sun.error().message);
 

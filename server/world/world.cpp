@@ -144,6 +144,11 @@ ChangeSet World::beginTick(double seconds) {
   return changes;
 }
 
+double World::time() const {
+  const std::lock_guard lock(mutex_);
+  return time_;
+}
+
 uint64_t World::seq() const {
   const std::lock_guard lock(mutex_);
   return seq_;

@@ -168,6 +168,7 @@ class World {
   /// history, the clock and the slots do not matter.
   uint64_t checksum() const;
 
+  double time() const;   ///< the clock, seconds
   uint64_t seq() const;  ///< of the newest applied batch; 0 = none
   uint64_t instanceCount() const;
   std::vector<uint32_t> prefabCounts() const;  ///< live instances by prefab

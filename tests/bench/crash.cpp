@@ -30,11 +30,16 @@ struct CrashOptions {
 
 void print(const CrashOptions& options, const crash::Report& report, const std::string& command) {
   if (options.json) {
-    const Json json = {{"schema", "heliograph.bench.crash/1"}, {"command", command},
-                       {"synchronous", options.synchronous},   {"seed", options.run.seed},
-                       {"cycles", report.cycles},              {"acknowledged", report.acknowledged},
-                       {"lost", report.lost},                  {"doubled", report.doubled},
-                       {"settled", report.settled},            {"snapshots", report.snapshots},
+    const Json json = {{"schema", "heliograph.bench.crash/1"},
+                       {"command", command},
+                       {"synchronous", options.synchronous},
+                       {"seed", options.run.seed},
+                       {"cycles", report.cycles},
+                       {"acknowledged", report.acknowledged},
+                       {"lost", report.lost},
+                       {"doubled", report.doubled},
+                       {"settled", report.settled},
+                       {"snapshots", report.snapshots},
                        {"unreadable", report.unreadable}};
     std::cout << json.dump(2) << std::endl;
     return;
@@ -61,7 +66,8 @@ Result<void> measureCrashes(CrashOptions options, const std::string& command) {
 
 void addCrashCommand(CLI::App& app, const std::string& command_line, Action& chosen) {
   const auto options = std::make_shared<CrashOptions>();
-  CLI::App& command = *app.add_subcommand("crash", "lets the power go while edits are written, and counts what is lost");
+  CLI::App& command =
+      *app.add_subcommand("crash", "lets the power go while edits are written, and counts what is lost");
   command.footer(kNotes);
   command.add_option("--cycles", options->run.cycles, "crashes, 1 to 1,000,000")
       ->capture_default_str()

@@ -16,9 +16,9 @@ uint32_t cycles() {
 }
 
 void print(const Report& report) {
-  std::cout << report.cycles << " crashes, " << report.acknowledged << " edits acknowledged, " << report.lost << " lost, "
-            << report.doubled << " doubled, " << report.settled << " settled, " << report.snapshots << " snapshots, "
-            << report.unreadable << " unreadable" << std::endl;
+  std::cout << report.cycles << " crashes, " << report.acknowledged << " edits acknowledged, " << report.lost
+            << " lost, " << report.doubled << " doubled, " << report.settled << " settled, " << report.snapshots
+            << " snapshots, " << report.unreadable << " unreadable" << std::endl;
 }
 
 TEST(Crash, NothingAcknowledgedIsLostAndNothingIsDoubled) {

@@ -25,7 +25,7 @@ using store::Append;
 using store::EditLog;
 
 constexpr int kWorlds = 2, kWritersAWorld = 2;
-constexpr uint64_t kLongestRun = 18'000;    // operations of the disk before the crash, at most
+constexpr uint64_t kLongestRun = 18'000;   // operations of the disk before the crash, at most
 constexpr uint64_t kSnapshotEvery = 100;   // edits
 constexpr unsigned kCheckpointPages = 40;  // small, so that crashes fall into checkpoints too
 
@@ -58,7 +58,9 @@ struct Model {
   std::vector<std::string> unknown;              // requests whose answer the crash swallowed
 };
 
-std::string payload(const std::string& request) { return "bytes of " + request + std::string(request.size() * 37 % 700, '.'); }
+std::string payload(const std::string& request) {
+  return "bytes of " + request + std::string(request.size() * 37 % 700, '.');
+}
 
 class Run {
  public:

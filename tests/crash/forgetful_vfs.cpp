@@ -131,7 +131,8 @@ int change(sqlite3_file* file, Change change, int error) {
 
 int writeFile(sqlite3_file* file, const void* bytes, int size, sqlite3_int64 offset) {
   return change(
-      file, {static_cast<uint64_t>(offset), std::string(static_cast<const char*>(bytes), static_cast<size_t>(size)), false},
+      file,
+      {static_cast<uint64_t>(offset), std::string(static_cast<const char*>(bytes), static_cast<size_t>(size)), false},
       SQLITE_IOERR_WRITE);
 }
 
@@ -170,9 +171,9 @@ int sectorSize(sqlite3_file*) { return kSectorBytes; }
 int deviceCharacteristics(sqlite3_file*) { return SQLITE_IOCAP_POWERSAFE_OVERWRITE; }  // as SQLite assumes of disks
 
 constexpr sqlite3_io_methods kMethods = {
-    1,        closeFile, readFile,          writeFile,   truncateFile, syncFile,
-    fileSize, lockFile,  lockFile,          checkReservedLock, fileControl,  sectorSize,
-    deviceCharacteristics, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr};
+    1,        closeFile,         readFile,    writeFile,  truncateFile,          syncFile, fileSize, lockFile,
+    lockFile, checkReservedLock, fileControl, sectorSize, deviceCharacteristics, nullptr,  nullptr,  nullptr,
+    nullptr,  nullptr,           nullptr};
 
 int openFile(sqlite3_vfs* vfs, const char* name, sqlite3_file* file, int flags, int* out_flags) {
   Disk& disk = of(vfs);

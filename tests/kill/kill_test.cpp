@@ -30,9 +30,9 @@ class Process {
   explicit Process(const fs::path& folder) : port_file_(folder / "port.txt") {
     fs::remove(port_file_);
     const std::string log = (folder / "log").string(), port = port_file_.string();
-    const std::vector<const char*> arguments = {HELIOGRAPHD,   "--renderer",  "synthetic",     "--listen",    "127.0.0.1:0",
-                                                "--log-dir",   log.c_str(),   "--city",        "1000",        "--port-file",
-                                                port.c_str(),  "--log-level", "error",         nullptr};
+    const std::vector<const char*> arguments = {HELIOGRAPHD,  "--renderer",  "synthetic", "--listen", "127.0.0.1:0",
+                                                "--log-dir",  log.c_str(),   "--city",    "1000",     "--port-file",
+                                                port.c_str(), "--log-level", "error",     nullptr};
     pid_ = fork();
     if (pid_ == 0) {
       execv(HELIOGRAPHD, const_cast<char* const*>(arguments.data()));

@@ -120,7 +120,8 @@ TEST(SyntheticRenderer, EveryFrameShowsTheSeqTickAndCameraThatItNames) {
     grpc::ClientContext context;
     ASSERT_TRUE(worlds->ApplyEdits(&context, edit, &answer).ok());
     seq = answer.seq();
-    const auto frame = viewer.frameWhere([&](const v1::Frame& f) { return f.camera_id() == id && f.applied_seq() >= seq; });
+    const auto frame =
+        viewer.frameWhere([&](const v1::Frame& f) { return f.camera_id() == id && f.applied_seq() >= seq; });
     const auto painted = readJpeg(frame.data());
     ASSERT_TRUE(painted);
     EXPECT_EQ(painted->seq, frame.applied_seq());

@@ -297,7 +297,8 @@ TEST(SqliteEditLog, WhatARemovedWorldLeftGoes) {
 TEST(LogFolder, NetworkFileSystemsAreKnownByTheirTypes) {
   EXPECT_EQ(networkFileSystem(0x6969), "NFS");
   EXPECT_EQ(networkFileSystem(static_cast<int>(0xff534d42u)), "CIFS");  // statfs' field is signed on some machines
-  for (const long local : {0xef53L, 0x58465342L, 0x9123683eL, 0x01021994L, 0x794c7630L})  // ext4 xfs btrfs tmpfs overlay
+  for (const long local :
+       {0xef53L, 0x58465342L, 0x9123683eL, 0x01021994L, 0x794c7630L})  // ext4 xfs btrfs tmpfs overlay
     EXPECT_EQ(networkFileSystem(local), std::nullopt) << local;
 }
 

@@ -113,9 +113,13 @@ TEST(Checksum, DependsOnWhatIsThereAndNotOnHowItCameAbout) {
 
 TEST(Checksum, DiffersByIdPlaceAndLight) {
   std::vector<uint64_t> sums;
-  for (const std::vector<Edit>& edits :
-       {std::vector<Edit>{Destroy{{2}}}, {Destroy{{3}}}, {Move{2, poseAt(10, 1)}}, {Move{3, poseAt(10, 1)}},
-        {SetSun{{{1, -1, 0}, {1, 1, 1}, 0.1f}, false}}, {Build{"tree", {poseAt(0, 0)}}}, {Build{"house", {poseAt(0, 0)}}}}) {
+  for (const std::vector<Edit>& edits : {std::vector<Edit>{Destroy{{2}}},
+                                         {Destroy{{3}}},
+                                         {Move{2, poseAt(10, 1)}},
+                                         {Move{3, poseAt(10, 1)}},
+                                         {SetSun{{{1, -1, 0}, {1, 1, 1}, 0.1f}, false}},
+                                         {Build{"tree", {poseAt(0, 0)}}},
+                                         {Build{"house", {poseAt(0, 0)}}}}) {
     World world(village());
     mustApply(world, edits);
     EXPECT_THAT(sums, ::testing::Not(::testing::Contains(world.checksum())));
