@@ -3,8 +3,12 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <thread>
+#include <vector>
 
 #include "crash/crash_test_run.h"
+#include "crash/forgetful_vfs.h"
+#include "store/sqlite_edit_log.h"
 
 namespace helio::crash {
 namespace {
@@ -45,6 +49,55 @@ TEST(Crash, WithoutSyncsEditsAreLost) {
   ASSERT_TRUE(report.ok()) << report.error().message;
   print(*report);
   EXPECT_GT(report->lost, 0u);
+}
+
+store::SqliteLogOptions optionsOn(const ForgetfulVfs& vfs) {
+  store::SqliteLogOptions options;
+  options.folder = "/";
+  options.vfs = vfs.name();
+  return options;
+}
+
+TEST(GroupCommit, WritersThatComeTogetherShareASync) {
+  constexpr uint64_t kWriters = 8, kEdits = 20;
+  const ForgetfulVfs vfs("group", 1);
+  auto options = optionsOn(vfs);
+  options.group_window = std::chrono::seconds(1);  // so that a slow machine tests the same
+  const auto log = store::openSqliteEditLog(std::move(options));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  std::vector<uint64_t> epochs;
+  for (uint64_t w = 0; w < kWriters; ++w) epochs.push_back(*(*log)->acquire(std::to_string(w)));
+
+  const uint64_t before = vfs.syncs();
+  std::vector<std::thread> writers;
+  for (uint64_t w = 0; w < kWriters; ++w)
+    writers.emplace_back([&, w] {
+      for (uint64_t seq = 1; seq <= kEdits; ++seq)
+        EXPECT_EQ((*log)->append(std::to_string(w), epochs[w], {seq, std::to_string(seq), "bytes", ""}),
+                  store::Append::ok);
+    });
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_GE(vfs.syncs() - before, kEdits);
+  EXPECT_LE(vfs.syncs() - before, kWriters * kEdits / 2);
+}
+
+TEST(GroupCommit, AfterADiskFailureNothingIsAcknowledgedAnyMore) {
+  ForgetfulVfs vfs("failing", 1);
+  auto options = optionsOn(vfs);
+  std::vector<Error> fatal;
+  options.on_fatal = [&](const Error& error) { fatal.push_back(error); };
+  const auto log = store::openSqliteEditLog(std::move(options));
+  ASSERT_TRUE(log.ok()) << log.error().message;
+  const auto epoch = (*log)->acquire("w");
+  ASSERT_EQ((*log)->append("w", *epoch, {1, "one", "bytes", ""}), store::Append::ok);
+  vfs.crashNow();
+  EXPECT_EQ((*log)->append("w", *epoch, {2, "two", "bytes", ""}), store::Append::unknown);
+  ASSERT_EQ(fatal.size(), 1u);
+  EXPECT_EQ(fatal.front().kind, ErrorKind::unavailable);
+  vfs.restart();  // the disk is well again, but who knows what it has
+  EXPECT_EQ((*log)->append("w", *epoch, {2, "two", "bytes", ""}), store::Append::unknown);
+  EXPECT_FALSE((*log)->acquire("v").ok());
+  EXPECT_EQ(fatal.size(), 1u);
 }
 
 }  // namespace

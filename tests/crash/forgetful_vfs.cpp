@@ -49,6 +49,7 @@ struct ForgetfulVfs::Disk {
   std::map<std::string, FileState> files;
   uint64_t left = std::numeric_limits<uint64_t>::max();  // operations until the crash
   bool crashed = false;
+  uint64_t syncs = 0;
 
   /// Counts an operation. False: the process is no more.
   bool alive() {
@@ -148,6 +149,7 @@ int syncFile(sqlite3_file* file, int) {
   state->synced = state->now;
   state->unsynced.clear();
   state->on_disk = true;
+  ++open.disk->syncs;
   return SQLITE_OK;
 }
 
@@ -268,6 +270,11 @@ void ForgetfulVfs::crashNow() {
 bool ForgetfulVfs::crashed() const {
   const std::lock_guard lock(disk_->mutex);
   return disk_->crashed;
+}
+
+uint64_t ForgetfulVfs::syncs() const {
+  const std::lock_guard lock(disk_->mutex);
+  return disk_->syncs;
 }
 
 void ForgetfulVfs::restart() {

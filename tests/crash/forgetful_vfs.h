@@ -27,6 +27,8 @@ class ForgetfulVfs {
   /// Makes it come now, if it has not.
   void crashNow();
   bool crashed() const;
+  /// Syncs since the beginning.
+  uint64_t syncs() const;
   /// Once nobody has a file open any more: the disk as the next process finds it.
   void restart();
   /// An empty disk.
