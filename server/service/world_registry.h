@@ -57,7 +57,7 @@ class WorldRegistry {
   std::map<std::string, WorldPtr> worlds_;
   // Names that are being written into the log, or out of it; they are taken until then.
   std::set<std::string> entering_, leaving_;
-  std::vector<WorldPtr> dying_;     ///< removed, their threads still at work; their names are taken until then
+  std::vector<WorldPtr> dying_;  ///< removed, their threads still at work; their names are taken until then
   bool draining_ = false;
   uint64_t chosen_names_ = 0;
   std::shared_ptr<std::atomic<uint32_t>> viewers_ = std::make_shared<std::atomic<uint32_t>>(0);
