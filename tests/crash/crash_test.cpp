@@ -1,8 +1,10 @@
 // Nothing acknowledged is lost, nothing is doubled, whenever the power goes.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <iostream>
+#include <latch>
 #include <thread>
 #include <vector>
 
@@ -60,7 +62,8 @@ store::SqliteLogOptions optionsOn(const ForgetfulVfs& vfs) {
 
 TEST(GroupCommit, WritersThatComeTogetherShareASync) {
   constexpr uint64_t kWriters = 8, kEdits = 20;
-  const ForgetfulVfs vfs("group", 1);
+  ForgetfulVfs vfs("group", 1);
+  vfs.setSyncTime(std::chrono::milliseconds(2));
   auto options = optionsOn(vfs);
   options.group_window = std::chrono::seconds(1);  // so that a slow machine tests the same
   const auto log = store::openSqliteEditLog(std::move(options));
@@ -69,9 +72,11 @@ TEST(GroupCommit, WritersThatComeTogetherShareASync) {
   for (uint64_t w = 0; w < kWriters; ++w) epochs.push_back(*(*log)->acquire(std::to_string(w)));
 
   const uint64_t before = vfs.syncs();
+  std::latch all_here(kWriters);
   std::vector<std::thread> writers;
   for (uint64_t w = 0; w < kWriters; ++w)
     writers.emplace_back([&, w] {
+      all_here.arrive_and_wait();
       for (uint64_t seq = 1; seq <= kEdits; ++seq)
         EXPECT_EQ((*log)->append(std::to_string(w), epochs[w], {seq, std::to_string(seq), "bytes", ""}),
                   store::Append::ok);

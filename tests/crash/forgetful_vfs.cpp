@@ -3,11 +3,13 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <limits>
 #include <map>
 #include <mutex>
 #include <random>
+#include <thread>
 #include <vector>
 
 namespace helio::crash {
@@ -50,6 +52,7 @@ struct ForgetfulVfs::Disk {
   uint64_t left = std::numeric_limits<uint64_t>::max();  // operations until the crash
   bool crashed = false;
   uint64_t syncs = 0;
+  std::atomic<int64_t> sync_ms = 0;
 
   /// Counts an operation. False: the process is no more.
   bool alive() {
@@ -143,6 +146,7 @@ int truncateFile(sqlite3_file* file, sqlite3_int64 size) {
 
 int syncFile(sqlite3_file* file, int) {
   OpenFile& open = of(file);
+  std::this_thread::sleep_for(std::chrono::milliseconds(open.disk->sync_ms));
   const std::lock_guard lock(open.disk->mutex);
   FileState* state = open.disk->find(*open.path);
   if (!open.disk->alive() || !state) return SQLITE_IOERR_FSYNC;
@@ -271,6 +275,8 @@ bool ForgetfulVfs::crashed() const {
   const std::lock_guard lock(disk_->mutex);
   return disk_->crashed;
 }
+
+void ForgetfulVfs::setSyncTime(std::chrono::milliseconds time) { disk_->sync_ms = time.count(); }
 
 uint64_t ForgetfulVfs::syncs() const {
   const std::lock_guard lock(disk_->mutex);

@@ -1,6 +1,7 @@
 // An SQLite file system in memory that forgets, when the crash comes, what was not synced: all of it, or any part.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -27,6 +28,8 @@ class ForgetfulVfs {
   /// Makes it come now, if it has not.
   void crashNow();
   bool crashed() const;
+  /// How long a sync takes; at first no time.
+  void setSyncTime(std::chrono::milliseconds time);
   /// Syncs since the beginning.
   uint64_t syncs() const;
   /// Once nobody has a file open any more: the disk as the next process finds it.
