@@ -60,9 +60,7 @@ TEST_P(HardTest, HoldsInEveryMode) {
     const Estimate seen = estimate(frame);
     const double noise = 4.5 * seen.standard_error;
     EXPECT_LE(seen.mean, scene.bound * std::max(1.0, scene.truth.value_or(1.0)) + noise);
-    if (scene.truth) {
-      EXPECT_NEAR(seen.mean, *scene.truth, scene.tolerance * *scene.truth + noise);
-    }
+    if (scene.truth) { EXPECT_NEAR(seen.mean, *scene.truth, scene.tolerance * *scene.truth + noise); }
   }
 }
 
