@@ -34,6 +34,7 @@ constexpr std::array<Row, kEffects> kTable{{
     {"vertex_colors", never, never, [](const scene::Mesh& m) { return !m.colors.empty(); }},
     {"specular", [](const scene::Material& m) { return m.hasOwnSpecular(); }, never},
     {"unlit", [](const scene::Material& m) { return m.unlit; }, never},
+    {"alpha_masks", [](const scene::Material& m) { return m.masked(); }, never},
 }};
 
 }  // namespace

@@ -25,15 +25,18 @@ enum class Effect : uint32_t {
   uv_channels,
   vertex_colors,
   specular,
-  unlit
+  unlit,
+  alpha_masks
 };
-inline constexpr size_t kEffects = 10;
+inline constexpr size_t kEffects = 11;
 
 /// A set of effects as bits.
 struct EffectSet {
   uint32_t bits = 0;
   bool has(Effect effect) const { return (bits >> static_cast<uint32_t>(effect) & 1u) != 0; }
   void add(Effect effect) { bits |= 1u << static_cast<uint32_t>(effect); }
+  /// Those of them that are `effect`, for shaders that know no other.
+  EffectSet only(Effect effect) const { return {bits & 1u << static_cast<uint32_t>(effect)}; }
   friend bool operator==(EffectSet a, EffectSet b) { return a.bits == b.bits; }
 };
 

@@ -14,7 +14,7 @@ VkAccelerationStructureBuildSizesInfoKHR sizes(Device& device, const VkAccelerat
 VkAccelerationStructureGeometryKHR triangles(const BlasGeometry& input) {
   VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
   geometry.geometryType = VK_GEOMETRY_TYPE_TRIANGLES_KHR;
-  geometry.flags = VK_GEOMETRY_OPAQUE_BIT_KHR;
+  geometry.flags = input.opaque ? VK_GEOMETRY_OPAQUE_BIT_KHR : 0;
   auto& data = geometry.geometry.triangles;
   data = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_TRIANGLES_DATA_KHR};
   data.vertexFormat = VK_FORMAT_R32G32B32_SFLOAT;

@@ -40,6 +40,7 @@ struct BlasGeometry {
   uint32_t vertex_count = 0;
   VkDeviceAddress indices = 0;  ///< uint32, three a triangle
   uint32_t triangle_count = 0;
+  bool opaque = true;  ///< false: rays ask the any-hit shader
 };
 
 struct BlasInput {
@@ -47,8 +48,8 @@ struct BlasInput {
   std::vector<BlasGeometry> geometries;
 };
 
-/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much). Opaque, fast to
-/// trace. The caller places a barrier from build_write before the structures are used.
+/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much). Fast to trace. The
+/// caller places a barrier from build_write before the structures are used.
 std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs);
 
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.

@@ -68,6 +68,18 @@ bool matches(VkPhysicalDevice device, const std::string& select) {
   return lower(properties(device).deviceName).find(select) != std::string::npos;
 }
 
+constexpr std::array kAddressModes{VK_SAMPLER_ADDRESS_MODE_REPEAT, VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT,
+                                   VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE};
+
+/// In the order in which Bindless::create() makes them.
+size_t samplerIndex(const TextureSampling& sampling) {
+  const auto mode = [](VkSamplerAddressMode m) {
+    return static_cast<size_t>(std::find(kAddressModes.begin(), kAddressModes.end(), m) - kAddressModes.begin());
+  };
+  return (sampling.nearest ? kAddressModes.size() : 0) * kAddressModes.size() +
+         mode(sampling.u) * kAddressModes.size() + mode(sampling.v);
+}
+
 }  // namespace
 
 // ---- Bindless
@@ -75,12 +87,21 @@ bool matches(VkPhysicalDevice device, const std::string& select) {
 
 void Bindless::create(VkDevice device, float max_anisotropy) {
   VkSamplerCreateInfo sampler{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
-  sampler.magFilter = sampler.minFilter = VK_FILTER_LINEAR;
+  sampler.minFilter = VK_FILTER_LINEAR;
   sampler.mipmapMode = VK_SAMPLER_MIPMAP_MODE_LINEAR;
   sampler.maxLod = VK_LOD_CLAMP_NONE;
-  sampler.anisotropyEnable = max_anisotropy > 1.0f;
   sampler.maxAnisotropy = max_anisotropy;
-  check(vkCreateSampler(device, &sampler, nullptr, &sampler_), "the texture sampler");
+  for (const bool nearest : {false, true}) {
+    sampler.magFilter = nearest ? VK_FILTER_NEAREST : VK_FILTER_LINEAR;
+    sampler.anisotropyEnable = !nearest && max_anisotropy > 1.0f;
+    for (const VkSamplerAddressMode u : kAddressModes) {
+      for (const VkSamplerAddressMode v : kAddressModes) {
+        sampler.addressModeU = u;
+        sampler.addressModeV = v;
+        check(vkCreateSampler(device, &sampler, nullptr, &samplers_.emplace_back()), "the texture samplers");
+      }
+    }
+  }
 
   const std::array<VkDescriptorSetLayoutBinding, 2> bindings{{
       {0, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, kTextures, VK_SHADER_STAGE_ALL, nullptr},
@@ -119,10 +140,10 @@ void Bindless::create(VkDevice device, float max_anisotropy) {
 void Bindless::destroy(VkDevice device) {
   vkDestroyDescriptorPool(device, pool_, nullptr);
   vkDestroyDescriptorSetLayout(device, layout_, nullptr);
-  vkDestroySampler(device, sampler_, nullptr);
+  for (const VkSampler sampler : samplers_) vkDestroySampler(device, sampler, nullptr);
 }
 
-uint32_t Bindless::add(VkDevice device, VkImageView view, bool storage) {
+uint32_t Bindless::add(VkDevice device, VkImageView view, bool storage, const TextureSampling& sampling) {
   const std::lock_guard lock(mutex_);
   Slots& slots = slots_[storage];
   uint32_t slot = slots.next;
@@ -139,7 +160,7 @@ uint32_t Bindless::add(VkDevice device, VkImageView view, bool storage) {
   } else {
     ++slots.next;
   }
-  VkDescriptorImageInfo image{sampler_, view, VK_IMAGE_LAYOUT_GENERAL};
+  VkDescriptorImageInfo image{samplers_[samplerIndex(sampling)], view, VK_IMAGE_LAYOUT_GENERAL};
   VkWriteDescriptorSet write{VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET};
   write.dstSet = set_;
   write.dstBinding = storage ? 1 : 0;

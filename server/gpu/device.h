@@ -24,12 +24,12 @@ struct DeviceOptions {
 /// returned by Image; entries that no shader touches may be unset.
 class Bindless {
  public:
-  static constexpr uint32_t kTextures = 16'384;      ///< binding 0: combined image samplers, trilinear, repeat
+  static constexpr uint32_t kTextures = 16'384;      ///< binding 0: combined image samplers, trilinear
   static constexpr uint32_t kStorageImages = 1'024;  ///< binding 1: storage images
 
   void create(VkDevice device, float max_anisotropy);
   void destroy(VkDevice device);
-  uint32_t add(VkDevice device, VkImageView view, bool storage);
+  uint32_t add(VkDevice device, VkImageView view, bool storage, const TextureSampling& sampling);
   void remove(uint32_t slot, bool storage);
 
   VkDescriptorSetLayout layout() const { return layout_; }
@@ -44,7 +44,7 @@ class Bindless {
   VkDescriptorSetLayout layout_ = VK_NULL_HANDLE;
   VkDescriptorPool pool_ = VK_NULL_HANDLE;
   VkDescriptorSet set_ = VK_NULL_HANDLE;
-  VkSampler sampler_ = VK_NULL_HANDLE;
+  std::vector<VkSampler> samplers_;  // by index()
   std::mutex mutex_;
   std::array<Slots, 2> slots_{{{kTextures, 0, {}}, {kStorageImages, 0, {}}}};
 };

@@ -93,7 +93,8 @@ Image::Image(Device& device, const ImageDescription& description) : Image() {
   view.subresourceRange = {aspect(), 0, description.mips, 0, 1};
   check(vkCreateImageView(device.handle(), &view, nullptr, &view_), asked_for);
   if (description.usage & (VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_SAMPLED_BIT))
-    slot_ = device.bindless().add(device.handle(), view_, (description.usage & VK_IMAGE_USAGE_STORAGE_BIT) != 0);
+    slot_ = device.bindless().add(device.handle(), view_, (description.usage & VK_IMAGE_USAGE_STORAGE_BIT) != 0,
+                                  description.sampling);
 }
 
 Image::~Image() {

@@ -73,6 +73,13 @@ class Buffer {
   MemoryCategory category_ = MemoryCategory::raster;
 };
 
+/// How a texture is magnified, and read beyond its edges. Minified it is always trilinear.
+struct TextureSampling {
+  bool nearest = false;
+  VkSamplerAddressMode u = VK_SAMPLER_ADDRESS_MODE_REPEAT;  ///< REPEAT, MIRRORED_REPEAT or CLAMP_TO_EDGE
+  VkSamplerAddressMode v = VK_SAMPLER_ADDRESS_MODE_REPEAT;
+};
+
 struct ImageDescription {
   std::string name;
   uint32_t width = 0;
@@ -81,6 +88,7 @@ struct ImageDescription {
   VkFormat format = VK_FORMAT_UNDEFINED;
   VkImageUsageFlags usage = 0;
   MemoryCategory category = MemoryCategory::raster;
+  TextureSampling sampling{};
 };
 
 /// A 2D image, always used in layout GENERAL. With STORAGE or SAMPLED usage it has an index in the bindless set:

@@ -42,7 +42,8 @@ struct TextureSlots {
 };
 
 uint32_t flagsOf(const scene::Material& m) {
-  uint32_t flags = (m.lambert ? shared::kMaterialLambert : 0) | (m.unlit && !m.lambert ? shared::kMaterialUnlit : 0);
+  uint32_t flags = (m.lambert ? shared::kMaterialLambert : 0) | (m.unlit && !m.lambert ? shared::kMaterialUnlit : 0) |
+                   (m.masked() ? shared::kMaterialMasked : 0);
   const glm::vec3& c = m.specular_color;
   if (c.r != c.g || c.g != c.b || m.specular_color_texture != scene::kNone) flags |= shared::kMaterialTintedSpecular;
   for (uint32_t slot = 0; slot < scene::kTextureSlots; ++slot)
@@ -53,6 +54,7 @@ uint32_t flagsOf(const scene::Material& m) {
 shared::MaterialRecord recordOf(const scene::Material& m, const TextureSlots& slot) {
   shared::MaterialRecord record{};
   record.base_color = m.base_color;
+  if (m.masked()) record.base_color.a /= m.alpha_cutoff;
   record.emission = m.emission;
   record.metallic = m.metallic;
   record.roughness = m.roughness;
@@ -88,6 +90,18 @@ std::vector<std::byte> materialTable(const scene::Scene& scene, const TextureSlo
   for (const auto part : {std::as_bytes(std::span(materials)), std::as_bytes(std::span(speculars))})
     bytes.insert(bytes.end(), part.begin(), part.end());
   return bytes;
+}
+
+VkSamplerAddressMode addressMode(scene::Wrap wrap) {
+  switch (wrap) {
+    case scene::Wrap::mirrored_repeat:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case scene::Wrap::clamp:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case scene::Wrap::repeat:
+      break;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_REPEAT;
 }
 
 template <typename T>
@@ -151,9 +165,10 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
       record.material = submesh.material;
       record.emitter_offset = mesh_emitters.count ? mesh_emitters.geometry_offset[g] : shared::kNoTexture;
       geometries.push_back(record);
-      blas.geometries.push_back(
-          {record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices, submesh.index_count / 3});
-      draws.push_back({record.positions, record.indices, submesh.index_count});
+      const bool cut_out = scene.materials[submesh.material].masked() && !submesh.whole;
+      blas.geometries.push_back({record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices,
+                                 submesh.index_count / 3, !cut_out});
+      draws.push_back({record.positions, record.indices, submesh.index_count, cut_out});
     }
     blas_inputs.push_back(std::move(blas));
     draws_.push_back(std::move(draws));
@@ -233,9 +248,14 @@ std::vector<uint32_t> SceneResources::uploadTextures(gpu::Device& device, gpu::C
     const auto mips = static_cast<uint32_t>(std::bit_width(std::max(texture.width, texture.height)));
     textures_.emplace_back(
         device, gpu::ImageDescription{
-                    "the texture " + texture.name, texture.width, texture.height, mips,
+                    "the texture " + texture.name,
+                    texture.width,
+                    texture.height,
+                    mips,
                     texture.srgb ? VK_FORMAT_R8G8B8A8_SRGB : VK_FORMAT_R8G8B8A8_UNORM,
-                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+                    VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                    gpu::MemoryCategory::raster,
+                    {texture.sampling.nearest, addressMode(texture.sampling.u), addressMode(texture.sampling.v)}});
     commands.uploadTexture(textures_.back(), std::as_bytes(std::span(texture.rgba)));
     slots.push_back(textures_.back().slot());
     in_flight += texture.rgba.size();

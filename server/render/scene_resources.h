@@ -15,6 +15,7 @@ struct DrawGeometry {
   VkDeviceAddress positions;
   VkDeviceAddress indices;
   uint32_t index_count;
+  bool cut_out;  ///< the fragment shader asks the material's mask
 };
 
 class SceneResources {

@@ -160,11 +160,11 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
     work.samples.push_back(view.nextSample());
     const shared::SampleConstants& sample = work.samples.back();
     if (!usesRaster(settings)) {
-      passes_.primary_traced.add(pass, sample);
+      passes_.primary_traced.add(pass, sample, effects_);
     } else if (i == 0) {  // rasterised once a tick; the samples share its hits
       const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
       work.draws = cullToFrustum(instances_, scene_->meshes.size(), view.camera(), aspect);
-      passes_.primary_raster.add(pass, work.draws, resources_, sample.jitter);
+      passes_.primary_raster.add(pass, work.draws, resources_, sample.jitter, effects_);
     }
     passes_.path_trace.add(pass, sample, effects_);
     passes_.statistics.add(pass, sample);
@@ -186,7 +186,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
             });
   if (settings.measure_bare_trace) {
     passes_.path_trace.addLog(pass, work.samples.back(), effects_);
-    passes_.bare_trace.add(pass, work.samples.back());
+    passes_.bare_trace.add(pass, work.samples.back(), effects_);
   }
 }
 
@@ -201,7 +201,12 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.tangent = camera.tangent;
   c.aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
   c.near_plane = kNearPlane;
-  c.pixel_spread = std::atan(2.0f * camera.tangent / static_cast<float>(settings.height));
+  // A texture read over a footprint is not the mean of what it reads finely once a mask, a normal or a second bounce
+  // depends on it: the reference averages samples instead.
+  if (settings.mode != Mode::reference) {
+    c.pixel_spread = std::atan(2.0f * camera.tangent / static_cast<float>(settings.height));
+    c.cone_growth = 1.0f;
+  }
   c.width = settings.width;
   c.height = settings.height;
 

@@ -7,6 +7,7 @@
 #include "scene/city_cameras.h"
 #include "scene/city_furnish.h"
 #include "scene/city_plan.h"
+#include "scene/triangle_order.h"
 
 namespace helio::scene {
 namespace {
@@ -69,6 +70,7 @@ Result<ScenePtr> generateCity(const CityParameters& parameters) {
   scene->textures = std::move(catalogue.palette.textures);
   scene->materials = std::move(catalogue.palette.materials);
   scene->meshes = std::move(catalogue.meshes);
+  for (Mesh& mesh : scene->meshes) orderTriangles(mesh);
   scene->prefabs = std::move(catalogue.prefabs);
   return ScenePtr(std::move(scene));
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include <spdlog/fmt/fmt.h>
@@ -114,7 +115,14 @@ class MaterialImporter {
     material.lambert = lambert;
     material.unlit = !lambert && find(from.extensions, kMaterialUnlit) != nullptr;
     for (int c = 0; c < 4; ++c) material.base_color[c] = unit(pbr.baseColorFactor[static_cast<size_t>(c)]);
-    if (from.alphaMode != "OPAQUE") import_.report.ignore("alpha modes", "every surface is opaque");
+    if (from.alphaMode == "MASK") {
+      if (!std::isfinite(from.alphaCutoff) || from.alphaCutoff < 0.0)
+        return invalid(at + ".alphaCutoff", fmt::format("{}", from.alphaCutoff),
+                       fmt::format("{}.alphaCutoff is {}: it must be 0 or more", at, from.alphaCutoff));
+      material.alpha_cutoff = static_cast<float>(from.alphaCutoff);
+    } else if (from.alphaMode != "OPAQUE") {
+      import_.report.ignore("alpha blending", "the surface is opaque");
+    }
     if (from.occlusionTexture.index >= 0)
       import_.report.ignore("occlusion textures", "paths of light find what is occluded");
 
@@ -183,9 +191,9 @@ class MaterialImporter {
       return kNone;
     }
     std::vector<Texture>& textures = import_.scene.textures;
+    const Sampling sampling = samplingOf(texture);
     const auto [entry, is_new] =
-        textures_.emplace(std::pair{texture.source, srgb}, static_cast<uint32_t>(textures.size()));
-    reportSampler(texture);
+        textures_.emplace(std::tuple{texture.source, srgb, sampling}, static_cast<uint32_t>(textures.size()));
     if (!is_new) return entry->second;
 
     const tinygltf::Image& image = import_.model.images[static_cast<size_t>(texture.source)];
@@ -193,6 +201,7 @@ class MaterialImporter {
     Texture decoded;
     decoded.name = !image.name.empty() ? image.name : image.uri.empty() ? name : image.uri;
     decoded.srgb = srgb;
+    decoded.sampling = sampling;
     if (!image.uri.empty()) name += fmt::format(" ({})", image.uri);
     if (image.image.empty())
       return invalid(name, "missing", name + " is missing: there is no such file in the model's folder");
@@ -207,16 +216,20 @@ class MaterialImporter {
     return entry->second;
   }
 
-  void reportSampler(const tinygltf::Texture& texture) {
-    if (texture.sampler < 0) return;
+  Sampling samplingOf(const tinygltf::Texture& texture) const {
+    if (texture.sampler < 0) return {};
     const tinygltf::Sampler& sampler = import_.model.samplers[static_cast<size_t>(texture.sampler)];
-    if (sampler.wrapS != TINYGLTF_TEXTURE_WRAP_REPEAT || sampler.wrapT != TINYGLTF_TEXTURE_WRAP_REPEAT)
-      import_.report.ignore("wrap modes of textures", "every texture repeats");
+    const auto wrap = [](int mode) {
+      return mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE     ? Wrap::clamp
+             : mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? Wrap::mirrored_repeat
+                                                             : Wrap::repeat;
+    };
+    return {sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST, wrap(sampler.wrapS), wrap(sampler.wrapT)};
   }
 
   GltfImport& import_;
   uint64_t bytes_left_;
-  std::map<std::pair<int, bool>, uint32_t> textures_;  // by image and encoding
+  std::map<std::tuple<int, bool, Sampling>, uint32_t> textures_;  // by image, encoding and sampler
   std::vector<UvChannels> channels_of_material_;
 };
 

@@ -4,9 +4,11 @@
 
 #include <spdlog/fmt/fmt.h>
 
+#include "scene/cut_outs.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_extensions.h"
 #include "scene/gltf_import.h"
+#include "scene/triangle_order.h"
 #include "scene/vertex_frames.h"
 
 namespace helio::scene {
@@ -67,6 +69,9 @@ class MeshImporter {
       if (mesh.indices.empty()) continue;
       mesh.finish();
       import_.report.primitives += mesh.submeshes.size();
+      splitCutOuts(mesh, scene_.materials, scene_.textures);
+      if (mesh.indices.empty()) continue;
+      orderTriangles(mesh);
       prefab_of_mesh[i] = static_cast<uint32_t>(scene_.prefabs.size());
       scene_.prefabs.push_back({mesh.name, "model", static_cast<uint32_t>(scene_.meshes.size()), true});
       scene_.meshes.push_back(std::move(mesh));

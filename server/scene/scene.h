@@ -37,6 +37,17 @@ struct Aabb {
 /// Bounds of `box` after the affine map `m` (columns: x, y, z axes and translation). [Arvo 1990]
 Aabb transform(const Aabb& box, const glm::mat4x3& m);
 
+/// What a texture shows beyond its edges.
+enum class Wrap : uint8_t { repeat, mirrored_repeat, clamp };
+
+/// How a texture is read. Seen from afar it is always filtered.
+struct Sampling {
+  bool nearest = false;  ///< seen closely, texels have edges
+  Wrap u = Wrap::repeat;
+  Wrap v = Wrap::repeat;
+  friend auto operator<=>(const Sampling&, const Sampling&) = default;
+};
+
 /// 8-bit RGBA, rows top-down. `srgb`: RGB is sRGB-encoded (base colour, emissive); false: linear (normal, roughness).
 struct Texture {
   std::string name;
@@ -44,6 +55,7 @@ struct Texture {
   uint32_t height = 0;
   std::vector<uint8_t> rgba;  ///< width * height * 4 bytes
   bool srgb = true;
+  Sampling sampling{};
 };
 
 /// The textures of a material, in the order of Material::uv_channel.
@@ -55,6 +67,7 @@ inline constexpr size_t kTextureSlots = 6;
 struct Material {
   std::string name;
   glm::vec4 base_color{1.0f};  ///< linear, [0, 1]
+  float alpha_cutoff = 0.0f;   ///< there is no surface where the base colour's alpha is below it; 0: all is opaque
   float metallic = 0.0f;       ///< [0, 1]
   float roughness = 1.0f;      ///< perceptual, [0, 1]; alpha = roughness^2
   glm::vec3 emission{0.0f};    ///< radiance of both faces: emissiveFactor * emissiveStrength
@@ -77,6 +90,7 @@ struct Material {
   /// surfaces where their scattered rays find it, but is no lamp: light sampling does not look for it.
   bool unlit = false;
 
+  bool masked() const { return alpha_cutoff > 0.0f; }
   uint8_t channel(TextureSlot slot) const { return uv_channel[static_cast<size_t>(slot)]; }
   /// Whether a dielectric part reflects otherwise than at ior 1.5.
   bool hasOwnSpecular() const {
@@ -91,6 +105,7 @@ struct Submesh {
   uint32_t first_index = 0;
   uint32_t index_count = 0;
   uint32_t material = 0;
+  bool whole = false;  ///< of a masked material: its mask cuts nothing out of these triangles (scene/cut_outs.h)
 };
 
 /// Indexed triangles, counter-clockwise is front. All attribute arrays have positions.size() entries after finish(),

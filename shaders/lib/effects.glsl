@@ -13,5 +13,6 @@ layout(constant_id = 6) const bool kUvChannels = true;
 layout(constant_id = 7) const bool kVertexColors = true;
 layout(constant_id = 8) const bool kSpecular = true;
 layout(constant_id = 9) const bool kUnlit = true;
+layout(constant_id = 10) const bool kAlphaMasks = true;
 
 #endif

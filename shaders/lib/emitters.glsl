@@ -2,6 +2,7 @@
 // (alias method [Walker 1977]), then a point by area.
 #ifndef HELIO_EMITTERS_GLSL
 #define HELIO_EMITTERS_GLSL
+#include "lib/cut_out.glsl"
 #include "lib/lights.glsl"
 #include "lib/surface.glsl"
 
@@ -49,6 +50,7 @@ EmitterSample sampleEmitter(vec3 p, vec3 select, vec2 u) {
 
   const MaterialRecord material = MaterialTable(frame.materials).items[t.geometry.material];
   s.emission = material.emission;
+  if (kAlphaMasks && isCutOut(t.geometry, t.vertices, w)) s.emission = vec3(0.0);
   if (kTextures && material.emissive_texture != kNoTexture) {
     AttributeTable attributes = AttributeTable(t.geometry.attributes);
     const vec2 uv = attributes.items[t.vertices.x].uv * w.x + attributes.items[t.vertices.y].uv * w.y + attributes.items[t.vertices.z].uv * w.z;

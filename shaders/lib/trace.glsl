@@ -9,11 +9,13 @@ layout(location = 1) rayPayloadEXT uint visible_payload;
 const uint kMissSurface = 0;
 const uint kMissShadow = 1;
 const float kFar = 1e30;
+// Where nothing is cut out no ray need ask.
+const uint kOpaque = kAlphaMasks ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
 
 // The nearest surface; primitive == kNothing where there is none.
 Hit traceSurface(vec3 origin, vec3 direction) {
   hit_payload.primitive = kNothing;
-  traceRayEXT(accelerationStructureEXT(frame.tlas), gl_RayFlagsOpaqueEXT, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, kFar, 0);
+  traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, kFar, 0);
   return hit_payload;
 }
 
@@ -21,7 +23,7 @@ Hit traceSurface(vec3 origin, vec3 direction) {
 bool traceVisible(vec3 origin, vec3 direction, float distance) {
   visible_payload = 0u;
   traceRayEXT(accelerationStructureEXT(frame.tlas),
-              gl_RayFlagsOpaqueEXT | gl_RayFlagsTerminateOnFirstHitEXT | gl_RayFlagsSkipClosestHitShaderEXT, kMaskAll, 0, 0, kMissShadow,
+              kOpaque | gl_RayFlagsTerminateOnFirstHitEXT | gl_RayFlagsSkipClosestHitShaderEXT, kMaskAll, 0, 0, kMissShadow,
               origin, 0.0, direction, distance, 1);
   return visible_payload != 0u;
 }

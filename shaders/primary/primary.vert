@@ -2,27 +2,31 @@
 #extension GL_GOOGLE_include_directive : require
 // Primary hits by rasterisation: positions are pulled by address and made relative to the camera before they are rotated,
 // so that a world of kilometres loses no precision near the eye.
-#define HELIO_OWN_PUSH
-#include "lib/tables.glsl"
-#include "shared/draw.h"
+#include "primary/draw.glsl"
 
 layout(buffer_reference, scalar) readonly buffer SlotTable { uint items[]; };
-layout(push_constant, scalar) uniform Draw { DrawConstants draw; };
 
 layout(location = 0) flat out uint out_slot;
+layout(location = 1) flat out uint out_material;
+layout(location = 2) out vec3 out_mask;  // where the alpha mask is read, and the vertex' alpha
 
 void main() {
-  const FrameConstants f = FrameRef(draw.frame).constants;
   const uint slot = SlotTable(draw.slots).items[gl_InstanceIndex];
-  const InstanceRecord instance = InstanceTable(f.instances).items[slot];
-  const vec3 p = PositionTable(draw.positions).items[IndexTable(draw.indices).items[gl_VertexIndex]];
+  const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
+  const uint vertex = IndexTable(draw.indices).items[gl_VertexIndex];
+  const vec3 p = PositionTable(draw.positions).items[vertex];
   vec3 relative;
-  for (int i = 0; i < 3; ++i) relative[i] = dot(instance.rows[i].xyz, p) + (instance.rows[i].w - f.position[i]);
+  for (int i = 0; i < 3; ++i) relative[i] = dot(instance.rows[i].xyz, p) + (instance.rows[i].w - frame.position[i]);
 
   // Infinite reversed depth: near / distance. The jitter moves the sample from the pixel's centre.
-  const vec2 offset = 2.0 * (vec2(0.5) - draw.jitter) / vec2(f.width, f.height);
-  const float depth = dot(relative, f.forward);
-  gl_Position = vec4(dot(relative, f.right) / (f.tangent * f.aspect) + offset.x * depth,
-                     -dot(relative, f.up) / f.tangent + offset.y * depth, f.near_plane, depth);
+  const vec2 offset = 2.0 * (vec2(0.5) - draw.jitter) / vec2(frame.width, frame.height);
+  const float depth = dot(relative, frame.forward);
+  gl_Position = vec4(dot(relative, frame.right) / (frame.tangent * frame.aspect) + offset.x * depth,
+                     -dot(relative, frame.up) / frame.tangent + offset.y * depth, frame.near_plane, depth);
   out_slot = slot;
+  if (kAlphaMasks) {
+    const GeometryRecord geometry = GeometryTable(frame.geometries).items[MeshTable(frame.meshes).items[instance.mesh].first_geometry + draw.geometry];
+    out_material = geometry.material;
+    out_mask = vec3(baseColorUv(geometry, MaterialTable(frame.materials).items[geometry.material], vertex), vertexAlpha(geometry, vertex));
+  }
 }

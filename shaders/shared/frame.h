@@ -15,6 +15,7 @@ struct FrameConstants {
   float near_plane;  // metres
   vec3 forward;
   float pixel_spread;  // radians a pixel: the ray cone's opening [Akenine-Moeller 2019]
+  float cone_growth;   // of the opening, at bounces; both 0: textures are read at their finest level
   uint width;
   uint height;
 

@@ -15,6 +15,7 @@ HELIO_CONSTANT kNoMesh = 0xffffffffu;
 HELIO_CONSTANT kMaterialLambert = 1u;         // two-sided Lambert, no specular lobe
 HELIO_CONSTANT kMaterialUnlit = 2u;           // shines with its base colour, reflects nothing
 HELIO_CONSTANT kMaterialTintedSpecular = 4u;  // a dielectric whose reflection has a colour
+HELIO_CONSTANT kMaterialMasked = 8u;          // has no surface where its alpha is below the cutoff
 // From this bit on: three bits a texture slot, the channel of texture coordinates that it reads.
 HELIO_CONSTANT kUvChannelShift = 8u;
 HELIO_CONSTANT kUvChannelBits = 3u;
@@ -63,8 +64,8 @@ struct MeshRecord {
 };
 
 struct MaterialRecord {
-  vec4 base_color;
-  vec3 emission;  // W/(sr m^2)
+  vec4 base_color;  // a: over the alpha cutoff, so that there is no surface where it comes below 1 (kMaterialMasked)
+  vec3 emission;    // W/(sr m^2)
   float metallic;
   float roughness;  // perceptual
   float normal_scale;

@@ -52,7 +52,12 @@ uint64_t hashScene(const Scene& scene) {
     fnv.all(m.tangents);
     fnv.all(m.uvs);
     fnv.all(m.indices);
-    fnv.all(m.submeshes);
+    for (const Submesh& s : m.submeshes) {
+      fnv.one(s.first_index);
+      fnv.one(s.index_count);
+      fnv.one(s.material);
+      fnv.one(s.whole);
+    }
   }
   for (const Prefab& p : scene.prefabs) {
     fnv.text(p.name + "/" + p.category);

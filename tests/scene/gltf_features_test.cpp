@@ -335,9 +335,8 @@ TEST(GltfFeatures, TheReportCountsAndSaysWhatIsMissing) {
   for (const ImportReport::Ignored& ignored : report.ignored) lines_told.push_back(line(ignored));
   EXPECT_THAT(lines_told,
               ::testing::UnorderedElementsAre("KHR_materials_clearcoat ignored: this extension is not supported",
-                                              "alpha modes (2 times) ignored: every surface is opaque",
+                                              "alpha blending ignored: the surface is opaque",
                                               "occlusion textures ignored: paths of light find what is occluded",
-                                              "wrap modes of textures ignored: every texture repeats",
                                               "points and lines ignored: only triangles have surfaces",
                                               "instances scaled to a point ignored: they cannot be seen"));
   EXPECT_EQ(summary(report),

@@ -1,5 +1,8 @@
-// Pass `bare_trace`: the rays of `log_rays` through shaders that do nothing. What tracing alone costs.
+// Pass `bare_trace`: the rays of `log_rays` through shaders that do no more than ask alpha masks. What tracing alone
+// costs.
 #pragma once
+
+#include <array>
 
 #include "gpu/pipelines.h"
 #include "render/passes/pass.h"
@@ -9,10 +12,10 @@ namespace helio::render {
 class BareTrace {
  public:
   explicit BareTrace(gpu::Device& device);
-  void add(const ViewPass& pass, const shared::SampleConstants& sample) const;
+  void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) const;
 
  private:
-  gpu::RayTracingPipeline pipeline_;
+  std::array<gpu::RayTracingPipeline, 2> pipelines_;  // without and with alpha masks
 };
 
 }  // namespace helio::render

@@ -28,9 +28,16 @@ uint32_t tileGroups(uint32_t width, uint32_t height) {
 
 PathTrace::PathTrace(gpu::Device& device) : device_(device), compact_(device, "path_trace/compact_paths.comp") {}
 
-gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::Specialisation& constants) {
-  return {
-      raygen, {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"}, {{"path_trace/surface.rchit", ""}}, constants};
+gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::EffectSet effects,
+                                         const gpu::Specialisation& constants) {
+  return {raygen,
+          {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"},
+          {{"path_trace/surface.rchit", anyHit(effects)}},
+          constants};
+}
+
+std::string anyHit(effects::EffectSet effects) {
+  return effects.has(effects::Effect::alpha_masks) ? "path_trace/cut_out.rahit" : "";
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bool log_rays) {
@@ -43,7 +50,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bo
   gpu::Specialisation constants = effects::specialisation(effects);
   constants.resize(kLogRaysConstant + 1);
   constants[kLogRaysConstant] = log_rays;
-  gpu::RayTracingPipeline pipeline(device_, describeTrace("path_trace/path_trace.rgen", constants));
+  gpu::RayTracingPipeline pipeline(device_, describeTrace("path_trace/path_trace.rgen", effects, constants));
   const std::lock_guard lock(mutex_);
   return variants_.emplace(key, std::move(pipeline)).first->second;
 }

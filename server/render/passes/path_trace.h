@@ -10,8 +10,12 @@
 
 namespace helio::render {
 
-/// The ray tracing pipeline of a ray generation shader that uses shaders/lib/trace.glsl.
-gpu::RayTracingDescription describeTrace(const std::string& raygen, const gpu::Specialisation& constants);
+/// The ray tracing pipeline of a ray generation shader that uses shaders/lib/trace.glsl. `constants`: those of
+/// `effects`, and more.
+gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::EffectSet effects,
+                                         const gpu::Specialisation& constants);
+/// What decides whether a ray meets a surface; empty: it does.
+std::string anyHit(effects::EffectSet effects);
 
 class PathTrace {
  public:

@@ -4,14 +4,23 @@
 
 namespace helio::render {
 
-PrimaryRaster::PrimaryRaster(gpu::Device& device)
-    : device_(device),
-      pipeline_(device,
-                {"primary/primary.vert", "primary/primary.frag", {VK_FORMAT_R32G32_UINT}, VK_FORMAT_D32_SFLOAT, {}}) {}
+PrimaryRaster::PrimaryRaster(gpu::Device& device) : device_(device) {
+  for (const bool masks : {false, true}) {
+    // A mask may need any texture coordinates and vertex colours: all effects, or none.
+    effects::EffectSet effects;
+    if (masks) effects.bits = ~0u;
+    pipelines_[masks] = gpu::RasterPipeline(device, {"primary/primary.vert",
+                                                     "primary/primary.frag",
+                                                     {VK_FORMAT_R32G32_UINT},
+                                                     VK_FORMAT_D32_SFLOAT,
+                                                     effects::specialisation(effects)});
+  }
+}
 
 void PrimaryRaster::add(const ViewPass& pass, const DrawList& list, const SceneResources& scene,
-                        const glm::vec2& jitter) const {
+                        const glm::vec2& jitter, effects::EffectSet effects) const {
   View& view = pass.view;
+  const bool any_masks = effects.has(effects::Effect::alpha_masks);
   pass.graph.add("draw_list", pass.owner, {{&view.slots, gpu::use::transfer_write}},
                  [this, &view, &list](gpu::Commands& commands) {
                    if (view.slots.size() < list.slots.size() * sizeof(uint32_t)) {
@@ -28,7 +37,7 @@ void PrimaryRaster::add(const ViewPass& pass, const DrawList& list, const SceneR
                   {pass.instances, gpu::use::raster_read},
                   {&view.visibility, gpu::use::color_write},
                   {&view.depth, gpu::use::depth_write}},
-                 [this, &view, &list, &scene, jitter](gpu::Commands& commands) {
+                 [this, &view, &list, &scene, jitter, any_masks](gpu::Commands& commands) {
                    const VkExtent2D extent{view.settings().width, view.settings().height};
                    VkRenderingAttachmentInfo color{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
                    color.imageView = view.visibility.view();
@@ -52,18 +61,22 @@ void PrimaryRaster::add(const ViewPass& pass, const DrawList& list, const SceneR
                    const VkRect2D scissor{{0, 0}, extent};
                    vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
                    vkCmdSetScissor(commands.handle(), 0, 1, &scissor);
-                   commands.bind(pipeline_);
-                   for (const MeshDraw& draw : list.draws) {
-                     const std::vector<DrawGeometry>& geometries = scene.draws()[draw.mesh];
-                     for (uint32_t g = 0; g < geometries.size(); ++g) {
-                       const shared::DrawConstants constants{view.constants.address(),
-                                                             view.slots.address(),
-                                                             geometries[g].positions,
-                                                             geometries[g].indices,
-                                                             jitter,
-                                                             g};
-                       commands.push(constants);
-                       vkCmdDraw(commands.handle(), geometries[g].index_count, draw.count, 0, draw.first);
+                   for (const bool masks : {false, true}) {
+                     if (masks && !any_masks) break;
+                     commands.bind(pipelines_[masks]);
+                     for (const MeshDraw& draw : list.draws) {
+                       const std::vector<DrawGeometry>& geometries = scene.draws()[draw.mesh];
+                       for (uint32_t g = 0; g < geometries.size(); ++g) {
+                         if (geometries[g].cut_out != masks) continue;
+                         const shared::DrawConstants constants{view.constants.address(),
+                                                               view.slots.address(),
+                                                               geometries[g].positions,
+                                                               geometries[g].indices,
+                                                               jitter,
+                                                               g};
+                         commands.push(constants);
+                         vkCmdDraw(commands.handle(), geometries[g].index_count, draw.count, 0, draw.first);
+                       }
                      }
                    }
                    vkCmdEndRendering(commands.handle());
