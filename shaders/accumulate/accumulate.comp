@@ -1,6 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Running mean over samples: m += (x - m) / n. Dropped samples count as nothing: alpha holds the number of samples kept.
+// Running mean over samples. Dropped samples count as nothing: alpha holds the number of samples kept.
+#include "lib/accumulation.glsl"
 #include "lib/bindless.glsl"
 #include "lib/tables.glsl"
 
@@ -11,9 +12,6 @@ void main() {
   if (pixel.x >= int(frame.width) || pixel.y >= int(frame.height)) return;
   const vec4 sampled = imageLoad(images_rgba32f[frame.radiance], pixel);
   vec4 mean = push.accumulated == 0u ? vec4(0.0) : imageLoad(images_rgba32f[frame.accumulation], pixel);
-  if (sampled.a > 0.0) {
-    mean.a += 1.0;
-    mean.rgb += (sampled.rgb - mean.rgb) / mean.a;
-  }
+  if (sampled.a > 0.0) mean = runningMean(mean, sampled.rgb);
   imageStore(images_rgba32f[frame.accumulation], pixel, mean);
 }
