@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -69,6 +70,23 @@ struct MemoryUse {
   uint64_t path_tracing = 0;  ///< path tracing only: accumulation, denoiser
 };
 
+/// Samples that were no light (not finite, or negative), by the pass that found them: "primary", "path_trace",
+/// "accumulate"; and by cause: "NaN", "infinite", "negative".
+struct DroppedSamples {
+  std::string pass;
+  std::string cause;
+  uint64_t samples = 0;
+};
+/// Where the first of a frame's dropped samples was: enough to look at it again.
+struct FaultPlace {
+  std::string pass;
+  std::string cause;
+  uint32_t x = 0, y = 0;       ///< pixel
+  uint32_t sample = 0;         ///< among those that are averaged
+  uint32_t vertex = 0;         ///< of the path, the camera's aside
+  uint32_t seed = 0;           ///< of the samples that are averaged
+};
+
 struct FrameStats {
   uint64_t tick = 0;
   uint64_t applied_seq = 0;
@@ -78,7 +96,9 @@ struct FrameStats {
   std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
   std::vector<EffectCost> effects;  ///< present ones only
   Rays rays;
-  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite
+  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite, or negative
+  std::vector<DroppedSamples> dropped;       ///< the same by pass and cause, kinds that there were
+  std::optional<FaultPlace> first_fault;     ///< set when nonfinite > 0
   uint32_t accumulated = 1;  ///< samples a pixel behind this picture
   uint32_t tlas_instances = 0;
   uint64_t triangles_drawn = 0;  ///< rasterised
@@ -137,6 +157,7 @@ struct RendererOptions {
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
   bool validation = false;         ///< Khronos validation layer: errors are logged and counted
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
+  bool strict_numerics = false;    ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 
 /// Errors: no Vulkan, no such device, no ray tracing pipelines: each says what to do.

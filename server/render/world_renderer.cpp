@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "render/camera_frame.h"
+#include "render/faults.h"
 
 namespace helio::render {
 namespace {
@@ -275,7 +276,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.rays.bounce = state.bounce_rays;
   stats.rays.shadow = state.shadow_rays;
   stats.rays.retrace = state.retrace_rays;
-  stats.nonfinite = state.nonfinite;
+  reportFaults(state.faults, settings.width, stats);
   stats.accumulated = view.accumulated();
   stats.tlas_instances = static_cast<uint32_t>(instances_.order().size());
   stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);

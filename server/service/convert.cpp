@@ -311,10 +311,21 @@ v1::MemoryUse toWire(const render::MemoryUse& memory) {
   return out;
 }
 
+void toWire(const std::vector<render::DroppedSamples>& dropped,
+            google::protobuf::RepeatedPtrField<v1::DroppedSamples>& out) {
+  for (const render::DroppedSamples& kind : dropped) {
+    v1::DroppedSamples& message = *out.Add();
+    message.set_pass(kind.pass);
+    message.set_cause(kind.cause);
+    message.set_samples(kind.samples);
+  }
+}
+
 v1::FrameTelemetry toWire(const render::FrameStats& stats) {
   v1::FrameTelemetry out;
   fillStats(stats, out);
   out.set_nonfinite(stats.nonfinite);
+  toWire(stats.dropped, *out.mutable_dropped_samples());
   out.set_accumulated(stats.accumulated);
   out.set_tlas_instances(stats.tlas_instances);
   out.set_triangles_drawn(stats.triangles_drawn);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bench/accumulation.h"
+#include "bench/device.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 #include "bench/stage.h"
@@ -31,7 +32,8 @@ constexpr uint32_t kBlock = 1024;  // samples of the low-discrepancy sequence th
 
 struct SamplerOptions {
   StageOptions stage;
-  std::string spec, device;
+  std::string spec;
+  render::RendererOptions renderer;
   uint32_t width = 160, height = 90, bounces = 3;
   uint32_t most = 256, truth = 2048;
   bool json = false;
@@ -94,7 +96,7 @@ double slope(const std::map<uint32_t, double>& errors) {
 Result<void> measure(const SamplerOptions& options, const std::string& command_line) {
   const auto subject = open(options);
   if (!subject) return subject.error();
-  auto renderer = render::makeRenderer({options.device});
+  auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
   const Provenance origin = provenance((*renderer)->device(), command_line);
 
@@ -147,7 +149,7 @@ void addSamplerCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--truth", options->truth, "further samples that the truth is made of")
       ->capture_default_str()
       ->check(CLI::Range(64u, 1'000'000u));
-  command.add_option("--device", options->device, "part of a device's name, cpu or gpu")->envname("HELIOGRAPH_DEVICE");
+  addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {
     chosen = [options, command_line] { return measure(*options, command_line); };

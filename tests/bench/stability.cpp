@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "bench/device.h"
 #include "bench/files.h"
 #include "bench/progress.h"
 #include "bench/report.h"
@@ -28,7 +29,8 @@ Examples:
 
 struct StabilityOptions {
   std::vector<std::string> cases;
-  std::string out = "out/stability", device;
+  std::string out = "out/stability";
+  render::RendererOptions renderer;
   bool json = false;
 };
 
@@ -122,7 +124,7 @@ Result<void> measureAll(const StabilityOptions& options, const std::string& comm
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
-  auto renderer = render::makeRenderer({options.device});
+  auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
   const Provenance origin = provenance((*renderer)->device(), command_line);
 
@@ -160,7 +162,7 @@ void addStabilityCommand(CLI::App& app, const std::string& command_line, Action&
   command.footer(kNotes);
   command.add_option("--case", options->cases, "only this one; may be given several times");
   command.add_option("--out", options->out, "a folder for the page")->capture_default_str();
-  command.add_option("--device", options->device, "part of a device's name, cpu or gpu")->envname("HELIOGRAPH_DEVICE");
+  addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {
     chosen = [options, command_line] { return measureAll(*options, command_line); };

@@ -29,6 +29,13 @@ struct ProbeConstants {
 };
 HELIO_CONSTANT kProbeGroup = 256u;
 
+// A storage image of `size` x `size` texels becomes `value`.
+struct FillConstants {
+  uint slot;
+  uint size;
+  vec4 value;
+};
+
 // Numbers in [0, 1).
 struct RandomNumbers {
   vec4 a;

@@ -21,6 +21,7 @@ render::Renderer& renderer() {
     options.device = std::getenv("HELIOGRAPH_DEVICE") ? "" : "cpu";
     options.strict_validation =
         std::getenv("HELIOGRAPH_TEST_WITHOUT_VALIDATION") == nullptr;  // the bundle has no layers
+    options.strict_numerics = true;
     return orThrow(render::makeRenderer(options));
   }();
   return *instance;

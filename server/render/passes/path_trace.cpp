@@ -92,7 +92,8 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {&view.visibility, gpu::use::ray_read},
                   {&pass.paths, kQueueUse},
                   {&view.radiance, gpu::use::ray_write},
-                  {&view.path_info, kPathUse}},
+                  {&view.path_info, kPathUse},
+                  {&view.state, gpu::use::ray_write}},
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
                    record(commands, pipeline, view, paths, sample);
                  });
