@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "render/material_override.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -24,7 +25,8 @@ enum class Sampler {
   independent,      ///< hashes: the baseline
 };
 
-/// A viewer's settings. A change of size, mode, primary or bounces restarts accumulation.
+/// A viewer's settings. A change of size, mode, primary, bounces or materials restarts
+/// accumulation.
 struct ViewSettings {
   uint32_t width = 640;   ///< pixels, [16, 8192]
   uint32_t height = 360;  ///< pixels, [16, 8192]
@@ -34,6 +36,7 @@ struct ViewSettings {
   uint32_t samples = 1;  ///< paths a pixel a tick, [1, 64]
   bool roulette = true;  ///< Russian roulette (unbiased)
   Sampler sampler = Sampler::low_discrepancy;
+  MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   bool accumulate = true;  ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]

@@ -225,6 +225,10 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.sky_ground = environment_.sky.ground;
 
   c.max_scatterings = PathTrace::vertices(settings.bounces) - 1;
+  if (showsProperty(settings.materials)) {  // of the first hit alone, before black
+    c.max_scatterings = 0;
+    c.sky_zenith = c.sky_ground = glm::vec3(0.0f);
+  }
   c.roulette = settings.roulette;
   c.independent_samples = settings.sampler == Sampler::independent;
   // A reference image must not depend on the frames before it.

@@ -77,6 +77,12 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
       return outOfRange(name + ".exposure.mode", text(int(message.exposure().mode())), "ExposureMode");
   }
   view.exposure_ev = message.exposure().ev();
+  // Both enumerations have the same numbers.
+  static_assert(v1::MATERIAL_OVERRIDE_MATERIALS == static_cast<int>(render::MaterialOverride::materials) &&
+                v1::MaterialOverride_ARRAYSIZE == shared::kMaterialOverrides);
+  if (!v1::MaterialOverride_IsValid(message.materials()))
+    return outOfRange(name + ".materials", text(int(message.materials())), "MaterialOverride");
+  view.materials = static_cast<render::MaterialOverride>(message.materials());
   if (message.has_bounces()) view.bounces = message.bounces();
   return view;
 }
@@ -195,6 +201,7 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_max_latency_ms(settings.max_latency_ms);
   out.mutable_stream()->set_jpeg_quality(uint32_t(settings.jpeg_quality));
   out.set_paused(settings.paused);
+  out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
   return out;
 }
 

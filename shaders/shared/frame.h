@@ -86,11 +86,16 @@ struct SampleConstants {
   float adaptation;     // share of the way to the new exposure, (0, 1]
   uint auto_exposure;   // 0: exposure = exposure_bias
   uint source;          // tonemap, histogram: image to read
+  uint curve;           // tonemap: kCurve...
   // path_trace: this launch takes paths from their vertex `first_vertex` (the camera's aside) up to `last_vertex`.
   uint launch;
   uint first_vertex;
   uint last_vertex;
 };
+
+HELIO_CONSTANT kCurveTone = 0u;   // exposure, tone curve, sRGB
+HELIO_CONSTANT kCurveColor = 1u;  // sRGB alone
+HELIO_CONSTANT kCurveNone = 2u;   // values as they are
 
 struct RayLogEntry {
   vec3 origin;

@@ -47,4 +47,10 @@ render::ViewSettings referenceSettings(uint32_t width, uint32_t height, uint32_t
   return settings;
 }
 
+render::ViewSettings specSettings(const scene::Spec& spec) {
+  render::ViewSettings settings = referenceSettings(spec.width, spec.height, spec.bounces);
+  if (spec.lambert) settings.materials = render::MaterialOverride::lambert;
+  return settings;
+}
+
 }  // namespace helio::bench

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "bench/image.h"
+#include "scene/spec.h"
 #include "support/viewed_world.h"
 
 namespace helio::bench {
@@ -42,5 +43,7 @@ class Accumulation {
 
 /// Reference mode at the size and bounces given: no roulette, no automatic exposure.
 render::ViewSettings referenceSettings(uint32_t width, uint32_t height, uint32_t bounces);
+/// The same as `spec` asks for, materials included.
+render::ViewSettings specSettings(const scene::Spec& spec);
 
 }  // namespace helio::bench

@@ -57,8 +57,7 @@ struct Picture {
 };
 
 Result<Picture> renderSpec(render::Renderer& renderer, const scene::Spec& spec, uint32_t samples) {
-  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(),
-                                          referenceSettings(spec.width, spec.height, spec.bounces));
+  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(), specSettings(spec));
   if (!accumulation) return accumulation.error();
   Accumulation& run = **accumulation;
   Progress progress(spec.name, samples);

@@ -43,19 +43,20 @@ struct Subject {
   std::string name;
   scene::ScenePtr scene;
   scene::NamedCamera camera;
-  uint32_t width = 0, height = 0, bounces = 0;
+  render::ViewSettings settings;
 };
 
 Result<Subject> open(const SamplerOptions& options) {
   if (!options.spec.empty()) {
     const auto spec = scene::loadSpec(options.spec);
     if (!spec) return spec.error();
-    return Subject{spec->name, spec->scene, spec->scene->cameras.front(), spec->width, spec->height, spec->bounces};
+    return Subject{spec->name, spec->scene, spec->scene->cameras.front(), specSettings(*spec)};
   }
   if (auto valid = check(options.stage); !valid) return valid.error();
   const auto stage = Stage::open(options.stage);
   if (!stage) return stage.error();
-  return Subject{stage->camera().name, stage->scene(), stage->camera(), options.width, options.height, options.bounces};
+  return Subject{stage->camera().name, stage->scene(), stage->camera(),
+                 referenceSettings(options.width, options.height, options.bounces)};
 }
 
 /// Pictures by sample count, and what came after the first block.
@@ -65,7 +66,7 @@ struct Run {
 };
 
 Result<Run> render(render::Renderer& renderer, const Subject& subject, Sampler sampler, const SamplerOptions& options) {
-  render::ViewSettings settings = referenceSettings(subject.width, subject.height, subject.bounces);
+  render::ViewSettings settings = subject.settings;
   settings.sampler = sampler;
   auto accumulation = Accumulation::start(renderer, subject.scene, subject.camera, settings);
   if (!accumulation) return accumulation.error();
