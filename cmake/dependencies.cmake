@@ -3,6 +3,7 @@ find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(Protobuf REQUIRED)     # module mode, and before gRPC: Debian's gRPC asks for it
 find_package(gRPC CONFIG REQUIRED)
+find_package(absl CONFIG REQUIRED)   # comes with gRPC
 find_program(GRPC_CPP_PLUGIN grpc_cpp_plugin REQUIRED)
 find_package(OpenSSL REQUIRED)
 find_package(spdlog REQUIRED)

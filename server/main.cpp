@@ -83,6 +83,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 100));
   flag("--device", device.device, "part of a Vulkan device's name, cpu or gpu; empty: the best there is");
   app.add_flag("--validation", device.validation, "Vulkan's validation layer")->envname("HELIOGRAPH_VALIDATION");
+  app.add_flag("--strict-numerics", device.strict_numerics,
+               "end at the first sample that is not finite, or negative, with a line that says where it was")
+      ->envname("HELIOGRAPH_STRICT_NUMERICS");
   flag("--log-dir", log_folder,
        "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
   flag("--gltf-root", config.gltf_root, "folder whose glTF files may become worlds")->check(CLI::ExistingDirectory);

@@ -5,6 +5,8 @@
 #include <iostream>
 #include <numbers>
 
+#include "render/material_override.h"
+
 namespace helio::cli {
 
 Size parseSize(const std::string& text) {
@@ -21,6 +23,20 @@ v1::PrimaryHits parsePrimary(const std::string& text) {
 
 v1::RenderMode parseMode(const std::string& text) {
   return text == "reference" ? v1::RENDER_MODE_REFERENCE : v1::RENDER_MODE_HYBRID;
+}
+
+void addMaterials(CLI::App& command, std::string& materials) {
+  command
+      .add_option("--materials", materials,
+                  "in the place of all materials: lambert, white; or shown as it is, without light: albedo, "
+                  "roughness_metallic, emission, normals, geometric_normals, texture_coordinates, instances, materials")
+      ->capture_default_str()
+      ->check(CLI::IsMember(render::materialOverrideNames()))
+      ->option_text("NAME");
+}
+
+v1::MaterialOverride parseMaterials(const std::string& text) {
+  return static_cast<v1::MaterialOverride>(*render::materialOverride(text));
 }
 
 void print(const Json& document) { std::cout << document.dump(2) << "\n"; }

@@ -47,6 +47,10 @@ Size parseSize(const std::string& text);
 v1::PrimaryHits parsePrimary(const std::string& text);
 v1::RenderMode parseMode(const std::string& text);
 
+/// Adds --materials, one of render::materialOverrideNames(), to a command.
+void addMaterials(CLI::App& command, std::string& materials);
+v1::MaterialOverride parseMaterials(const std::string& text);
+
 /// Prints a document with its schema.
 void print(const Json& document);
 

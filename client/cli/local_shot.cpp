@@ -7,6 +7,7 @@
 #include "render/renderer.h"
 #include "scene/city.h"
 #include "scene/gltf.h"
+#include "scene/spec.h"
 #include "stream/jpeg.h"
 #include "stream/picture.h"
 
@@ -14,6 +15,16 @@ namespace helio::cli {
 namespace {
 
 constexpr uint32_t kSamplesPerTick = 4;  // so that the bar moves
+
+/// What a SPEC asks for, in the options' place. Its scene has one camera and one light.
+scene::ScenePtr follow(const std::string& file, ShotOptions& options) {
+  const scene::Spec spec = get(scene::loadSpec(file));
+  options.size = std::to_string(spec.width) + "x" + std::to_string(spec.height);
+  options.bounces = spec.bounces;
+  options.materials = spec.lambert ? "lambert" : "none";
+  if (!options.samples) options.samples = spec.samples;
+  return spec.scene;
+}
 
 scene::ScenePtr load(const ShotOptions& options) {
   if ((options.city != 0) == !options.gltf.empty()) throw Stop{"--local needs either --city INSTANCES or --gltf FILE"};
@@ -70,8 +81,10 @@ std::string encode(const render::Frame& frame, const ShotOptions& options) {
 
 }  // namespace
 
-ShotResult shootLocally(const ShotOptions& options) {
-  // Check what was asked for before anything is loaded.
+ShotResult shootLocally(ShotOptions options) {
+  // Check what was asked for before a model is loaded; a SPEC names its own.
+  scene::ScenePtr scene = options.spec.empty() ? nullptr : follow(options.spec, options);
+  const uint32_t samples = options.samples.value_or(kShotSamples);
   const Size size = parseSize(options.size);
   render::ViewSettings settings;
   settings.width = size.width;
@@ -79,14 +92,15 @@ ShotResult shootLocally(const ShotOptions& options) {
   settings.mode = options.mode == "reference" ? render::Mode::reference : render::Mode::hybrid;
   settings.primary = options.primary == "traced" ? render::Primary::traced : render::Primary::raster;
   settings.bounces = options.bounces;
-  settings.samples = std::min(options.samples, kSamplesPerTick);
+  settings.materials = *render::materialOverride(options.materials);
+  settings.samples = std::min(samples, kSamplesPerTick);
   settings.auto_exposure = !options.fixed_exposure;
   settings.exposure_ev = options.exposure_ev;
   settings.keep_radiance = codecOf(options.out) == v1::CODEC_PFM;
   get(render::check(settings));
 
   const auto renderer = get(render::makeRenderer({options.device, options.validation, false}));
-  const auto scene = load(options);
+  if (!scene) scene = load(options);
   const Look view = look(*scene, options);
   get(render::check(view.camera));
   const auto handle = get(renderer->addWorld(scene));
@@ -103,9 +117,9 @@ ShotResult shootLocally(const ShotOptions& options) {
     frame = std::move(get(renderer->tick(handle, changes, {&request, 1})).front());
     result.gpu_ms += frame.stats.gpu_ms;
     result.rays += frame.stats.rays.total();
-    bar.show(double(frame.stats.accumulated) / options.samples,
-             std::to_string(frame.stats.accumulated) + "/" + std::to_string(options.samples) + " samples");
-  } while (frame.stats.accumulated < options.samples);
+    bar.show(double(frame.stats.accumulated) / samples,
+             std::to_string(frame.stats.accumulated) + "/" + std::to_string(samples) + " samples");
+  } while (frame.stats.accumulated < samples);
   result.bytes = encode(frame, options);
   result.samples = frame.stats.accumulated;
   result.exposure = frame.stats.exposure;

@@ -22,7 +22,8 @@ ShotResult shootRemotely(const Common& common, const ShotOptions& options) {
   request.set_mode(parseMode(options.mode));
   request.set_primary(parsePrimary(options.primary));
   request.set_bounces(options.bounces);
-  request.set_samples(options.samples);
+  request.set_samples(options.samples.value_or(kShotSamples));
+  request.set_materials(parseMaterials(options.materials));
   request.mutable_exposure()->set_mode(options.fixed_exposure ? v1::EXPOSURE_MODE_FIXED : v1::EXPOSURE_MODE_AUTOMATIC);
   request.mutable_exposure()->set_ev(options.exposure_ev);
   request.set_codec(codecOf(options.out));
@@ -52,6 +53,7 @@ void shoot(const Common& common, const ShotOptions& options) {
     throw Stop{"--position and --target are the same point; there is no direction to look in"};
   if (!options.position.empty() && !options.camera.empty())
     throw Stop{"give either --camera or --position and --target"};
+  if (!options.spec.empty() && !options.local) throw Stop{"--spec is rendered in this process: add --local"};
   if (!options.local && options.world.empty()) throw Stop{"name a world of the server, or render with --local"};
   const ShotResult result = options.local ? shootLocally(options) : shootRemotely(common, options);
   writeFile(options.out, result.bytes);
@@ -90,6 +92,8 @@ void addShot(CLI::App& app, Common& common) {
   helio shot city --position 0 20 60 --target 0 5 0 --size 1280x720 --spp 256 --out city.jpg
   helio shot --local --city 10000 --camera city_at_sunset --spp 64 --out sunset.png
   helio shot --local --gltf model.glb --spp 1024 --out radiance.pfm
+  helio shot --local --spec cornell.json --spp 256 --fixed-exposure --out cornell.pfm
+  helio shot city --camera forest --materials normals --out normals.png
 A .pfm holds linear radiance. A named camera is seen in its own light with --local, in the world's on a server.)");
   shot->add_option("world", options->world, "a world of the server");
   shot->add_option("--camera", options->camera, "a named camera; helio worlds show WORLD lists them");
@@ -97,7 +101,8 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
   shot->add_option("--target", options->target, "x y z in metres")->expected(3);
   shot->add_option("--vfov", options->vfov, "vertical angle in degrees, with --position")->capture_default_str();
   shot->add_option("--size", options->size, "WIDTHxHEIGHT in pixels, 16 to 8192 each")->capture_default_str();
-  shot->add_option("--spp", options->samples, "samples a pixel")->capture_default_str()->check(CLI::Range(1u, 65'536u));
+  shot->add_option("--spp", options->samples, "samples a pixel; default: 16, or what --spec asks for")
+      ->check(CLI::Range(1u, 65'536u));
   shot->add_option("--mode", options->mode, "reference or hybrid")
       ->capture_default_str()
       ->check(CLI::IsMember({"reference", "hybrid"}));
@@ -105,6 +110,7 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
       ->capture_default_str()
       ->check(CLI::IsMember({"raster", "traced"}));
   shot->add_option("--bounces", options->bounces, "0 to 32")->capture_default_str()->check(CLI::Range(0u, 32u));
+  addMaterials(*shot, options->materials);
   shot->add_option("--exposure", options->exposure_ev, "exponent of two; compensation of the automatic exposure")
       ->capture_default_str();
   shot->add_flag("--fixed-exposure", options->fixed_exposure, "radiance is scaled by 2^exposure and nothing else");
@@ -116,6 +122,12 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
   shot->add_option("--city", options->city, "--local: a city of so many instances");
   shot->add_option("--seed", options->seed, "--local: of the city")->capture_default_str();
   shot->add_option("--gltf", options->gltf, "--local: a glTF file");
+  auto* spec = shot->add_option("--spec", options->spec,
+                                "--local: a SPEC.json, as of helio-bench fidelity: model, light, camera, size, samples, "
+                                "bounces and materials");
+  for (const char* other : {"--city", "--gltf", "--camera", "--position", "--target", "--size", "--bounces", "--mode",
+                            "--materials"})
+    spec->excludes(shot->get_option(other));
   shot->add_option("--sun-elevation", options->sun_elevation, "--local: degrees above the horizon");
   shot->add_option("--sun-azimuth", options->sun_azimuth, "--local: degrees from +z towards +x")->capture_default_str();
   shot->add_option("--device", options->device, "--local: part of a device's name, cpu or gpu")

@@ -1,6 +1,7 @@
 // What a shot is asked to be, whether a server renders it or this process.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,11 +9,15 @@
 
 namespace helio::cli {
 
+inline constexpr uint32_t kShotSamples = 16;
+
 struct ShotOptions {
-  std::string world, camera, out = "shot.png", size = "640x360", mode = "reference", primary = "raster";
+  std::string world, camera, out = "shot.png", size = "640x360", mode = "reference", primary = "raster",
+                           materials = "none";
   std::vector<float> position, target;
   double vfov = 50;  ///< degrees
-  uint32_t samples = 16, bounces = 3;
+  std::optional<uint32_t> samples;  ///< a pixel; unset: kShotSamples, or the spec's
+  uint32_t bounces = 3;
   float exposure_ev = 0;
   bool fixed_exposure = false;
   int quality = 90;
@@ -20,7 +25,7 @@ struct ShotOptions {
   bool local = false, validation = false;
   uint32_t city = 0;
   uint64_t seed = 1;
-  std::string gltf, device;
+  std::string gltf, spec, device;
   std::optional<double> sun_elevation;
   double sun_azimuth = 150;
 };
@@ -35,6 +40,6 @@ struct ShotResult {
 /// From the end of the file's name: .png, .jpg, .jpeg or .pfm.
 v1::Codec codecOf(const std::string& file);
 
-ShotResult shootLocally(const ShotOptions& options);
+ShotResult shootLocally(ShotOptions options);
 
 }  // namespace helio::cli

@@ -53,6 +53,9 @@ void describe(const v1::ViewerTelemetry& viewer, std::string& out) {
        double(viewer.rays().shadow()) / 1e6, double(viewer.rays().retrace()) / 1e6,
        double(viewer.memory().raster()) / 1e6, double(viewer.memory().ray_tracing()) / 1e6,
        double(viewer.memory().path_tracing()) / 1e6);
+  for (const auto& kind : viewer.dropped_samples())
+    line(out, "    %llu samples were dropped: %s, found by %s", static_cast<unsigned long long>(kind.samples()),
+         kind.cause().c_str(), kind.pass().c_str());
   for (const auto& effect : viewer.effects())
     line(out, "    effect %-20s %9llu instances  %8.2f MB  %6.2f ms", effect.name().c_str(),
          static_cast<unsigned long long>(effect.instances()), double(effect.memory_bytes()) / 1e6,
@@ -80,13 +83,15 @@ std::string describe(const v1::TelemetrySample& sample, const std::string& serve
 }
 
 Json toJson(const v1::ViewerTelemetry& viewer) {
-  Json passes = Json::object(), effects = Json::array();
+  Json passes = Json::object(), effects = Json::array(), dropped_samples = Json::array();
   for (const auto& pass : viewer.passes()) passes[pass.name()] = pass.ms();
   for (const auto& effect : viewer.effects())
     effects.push_back({{"name", effect.name()},
                        {"instances", effect.instances()},
                        {"memory_bytes", effect.memory_bytes()},
                        {"pass_ms", effect.pass_ms()}});
+  for (const auto& kind : viewer.dropped_samples())
+    dropped_samples.push_back({{"pass", kind.pass()}, {"cause", kind.cause()}, {"samples", kind.samples()}});
   const auto& rays = viewer.rays();
   const auto& memory = viewer.memory();
   return {
@@ -108,6 +113,7 @@ Json toJson(const v1::ViewerTelemetry& viewer) {
         {"shadow", rays.shadow()},
         {"retrace", rays.retrace()}}},
       {"effects", effects},
+      {"dropped_samples", dropped_samples},
       {"memory",
        {{"raster", memory.raster()}, {"ray_tracing", memory.ray_tracing()}, {"path_tracing", memory.path_tracing()}}},
       {"stages_us",

@@ -13,7 +13,7 @@ namespace helio::cli {
 namespace {
 
 struct ViewOptions {
-  std::string world, script, camera, out = "frames", size = "640x360", mode = "hybrid", primary = "raster";
+  std::string world, script, camera, out = "frames", size = "640x360", mode = "hybrid", primary = "raster", materials = "none";
   bool tour = false;
   uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80;
   double seconds = 0;
@@ -28,6 +28,7 @@ v1::Settings settingsOf(const ViewOptions& options) {
   settings.set_primary(parsePrimary(options.primary));
   settings.set_bounces(options.bounces);
   settings.set_samples(options.samples);
+  settings.set_materials(parseMaterials(options.materials));
   settings.mutable_stream()->set_max_fps(options.max_fps);
   settings.mutable_stream()->set_jpeg_quality(options.quality);
   return settings;
@@ -69,6 +70,7 @@ Json describe(const ViewOptions& options, const v1::ServerInfo& server, const v1
             {"primary", options.primary},
             {"bounces", settings.bounces()},
             {"samples", settings.samples()},
+            {"materials", options.materials},
             {"max_fps", settings.stream().max_fps()},
             {"jpeg_quality", settings.stream().jpeg_quality()}}},
           {"script", !options.script.empty() ? Json(options.script)
@@ -188,6 +190,7 @@ client/cli/README.md documents tours and telemetry.json.)");
       ->check(CLI::IsMember({"raster", "traced"}));
   command->add_option("--bounces", options->bounces, "0 to 32")->capture_default_str();
   command->add_option("--spp", options->samples, "paths a pixel a frame, 1 to 64")->capture_default_str();
+  addMaterials(*command, options->materials);
   command->add_option("--max-fps", options->max_fps, "frames a second")->capture_default_str();
   command->add_option("--quality", options->quality, "of the JPEGs, 1 to 100")->capture_default_str();
   command->add_option("--out", options->out, "folder")->capture_default_str();

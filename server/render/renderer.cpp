@@ -4,6 +4,7 @@
 #include <map>
 #include <shared_mutex>
 
+#include "render/faults.h"
 #include "render/passes.h"
 #include "render/world_renderer.h"
 
@@ -23,8 +24,8 @@ auto guarded(Work&& work) -> decltype(work()) {
 
 class VulkanRenderer final : public Renderer {
  public:
-  VulkanRenderer(std::shared_ptr<gpu::Device> device, bool strict)
-      : device_(std::move(device)), passes_(*device_), strict_(strict) {}
+  VulkanRenderer(std::shared_ptr<gpu::Device> device, const RendererOptions& options)
+      : device_(std::move(device)), passes_(*device_), options_(options) {}
 
   DeviceInfo device() const override { return {device_->name(), device_->driver(), device_->cpu()}; }
 
@@ -72,8 +73,12 @@ class VulkanRenderer final : public Renderer {
     if (!renderer) return unknown(world);
     const uint64_t errors_before = device_->validationErrors();
     Result<std::vector<Frame>> frames = guarded([&] { return renderer->tick(changes, views); });
-    if (strict_ && device_->validationErrors() != errors_before)
+    if (options_.strict_validation && device_->validationErrors() != errors_before)
       return Error{ErrorKind::internal, "the validation layer reported an error in this tick: see the log", {}, {}, {}};
+    if (options_.strict_numerics && frames)
+      for (size_t i = 0; i < views.size(); ++i)
+        if (const FrameStats& stats = (*frames)[i].stats; stats.first_fault)
+          return Error{ErrorKind::internal, describeFault(stats, views[i].settings), {}, {}, {}};
     return frames;
   }
 
@@ -89,7 +94,7 @@ class VulkanRenderer final : public Renderer {
 
   std::shared_ptr<gpu::Device> device_;
   Passes passes_;
-  bool strict_;
+  RendererOptions options_;
   std::shared_mutex mutex_;
   std::atomic<uint64_t> next_handle_{0};
   std::map<WorldHandle, std::shared_ptr<WorldRenderer>> worlds_;
@@ -105,7 +110,7 @@ Result<std::unique_ptr<Renderer>> makeRenderer(const RendererOptions& options) {
   auto device = gpu::Device::create(device_options);
   if (!device) return device.error();
   return guarded([&]() -> Result<std::unique_ptr<Renderer>> {
-    return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(*device), options.strict_validation));
+    return std::unique_ptr<Renderer>(std::make_unique<VulkanRenderer>(std::move(*device), options));
   });
 }
 

@@ -3,11 +3,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "render/material_override.h"
 #include "scene/scene.h"
 #include "world/world.h"
 
@@ -23,7 +25,8 @@ enum class Sampler {
   independent,      ///< hashes: the baseline
 };
 
-/// A viewer's settings. A change of size, mode, primary or bounces restarts accumulation.
+/// A viewer's settings. A change of size, mode, primary, bounces or materials restarts
+/// accumulation.
 struct ViewSettings {
   uint32_t width = 640;   ///< pixels, [16, 8192]
   uint32_t height = 360;  ///< pixels, [16, 8192]
@@ -33,6 +36,7 @@ struct ViewSettings {
   uint32_t samples = 1;  ///< paths a pixel a tick, [1, 64]
   bool roulette = true;  ///< Russian roulette (unbiased)
   Sampler sampler = Sampler::low_discrepancy;
+  MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   bool accumulate = true;  ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
@@ -69,6 +73,23 @@ struct MemoryUse {
   uint64_t path_tracing = 0;  ///< path tracing only: accumulation, denoiser
 };
 
+/// Samples that were no light (not finite, or negative), by the pass that found them: "primary", "path_trace",
+/// "accumulate"; and by cause: "NaN", "infinite", "negative".
+struct DroppedSamples {
+  std::string pass;
+  std::string cause;
+  uint64_t samples = 0;
+};
+/// Where the first of a frame's dropped samples was: enough to look at it again.
+struct FaultPlace {
+  std::string pass;
+  std::string cause;
+  uint32_t x = 0, y = 0;       ///< pixel
+  uint32_t sample = 0;         ///< among those that are averaged
+  uint32_t vertex = 0;         ///< of the path, the camera's aside
+  uint32_t seed = 0;           ///< of the samples that are averaged
+};
+
 struct FrameStats {
   uint64_t tick = 0;
   uint64_t applied_seq = 0;
@@ -78,7 +99,9 @@ struct FrameStats {
   std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
   std::vector<EffectCost> effects;  ///< present ones only
   Rays rays;
-  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite
+  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite, or negative
+  std::vector<DroppedSamples> dropped;       ///< the same by pass and cause, kinds that there were
+  std::optional<FaultPlace> first_fault;     ///< set when nonfinite > 0
   uint32_t accumulated = 1;  ///< samples a pixel behind this picture
   uint32_t tlas_instances = 0;
   uint64_t triangles_drawn = 0;  ///< rasterised
@@ -137,6 +160,7 @@ struct RendererOptions {
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
   bool validation = false;         ///< Khronos validation layer: errors are logged and counted
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
+  bool strict_numerics = false;    ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 
 /// Errors: no Vulkan, no such device, no ray tracing pipelines: each says what to do.

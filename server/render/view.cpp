@@ -12,7 +12,7 @@ bool same(const scene::Camera& a, const scene::Camera& b) {
 /// What was accumulated under `a` may go on under `b`.
 bool continues(const ViewSettings& a, const ViewSettings& b) {
   return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette &&
-         a.sampler == b.sampler && a.accumulate == b.accumulate;
+         a.sampler == b.sampler && a.materials == b.materials && a.accumulate == b.accumulate;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
@@ -62,6 +62,10 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   const bool was_accumulating = accumulating();
   camera_ = camera;
   settings_ = settings;
+  if (showsProperty(settings.materials)) {  // numbers, not light
+    settings_.auto_exposure = false;
+    settings_.exposure_ev = 0.0f;
+  }
   if (resized) createTargets(commands);
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
@@ -139,6 +143,9 @@ shared::SampleConstants View::finalConstants() const {
   constants_.adaptation = jumped_ || settings_.mode == Mode::reference ? 1.0f : kAdaptation;
   constants_.auto_exposure = settings_.auto_exposure;
   constants_.source = shown().slot();
+  constants_.curve = !showsProperty(settings_.materials) ? shared::kCurveTone
+                     : showsColor(settings_.materials)   ? shared::kCurveColor
+                                                         : shared::kCurveNone;
   return constants_;
 }
 

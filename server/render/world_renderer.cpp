@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "render/camera_frame.h"
+#include "render/faults.h"
 
 namespace helio::render {
 namespace {
@@ -229,6 +230,10 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.sky_ground = environment_.sky.ground;
 
   c.max_scatterings = PathTrace::vertices(settings.bounces) - 1;
+  if (showsProperty(settings.materials)) {  // of the first hit alone, before black
+    c.max_scatterings = 0;
+    c.sky_zenith = c.sky_ground = glm::vec3(0.0f);
+  }
   c.roulette = settings.roulette;
   c.independent_samples = settings.sampler == Sampler::independent;
   // A reference image must not depend on the frames before it.
@@ -280,7 +285,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.rays.bounce = state.bounce_rays;
   stats.rays.shadow = state.shadow_rays;
   stats.rays.retrace = state.retrace_rays;
-  stats.nonfinite = state.nonfinite;
+  reportFaults(state.faults, settings.width, stats);
   stats.accumulated = view.accumulated();
   stats.tlas_instances = static_cast<uint32_t>(instances_.order().size());
   stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);

@@ -11,7 +11,6 @@
 namespace helio::scene {
 
 struct GltfOptions {
-  bool lambert = false;  ///< every surface becomes two-sided Lambert with base colour and emission (reference images)
   uint64_t max_triangles = 50'000'000;
   uint64_t max_instances = 1'000'000;
   uint32_t max_texture_size = 16'384;              ///< edge length in texels

@@ -97,8 +97,7 @@ class MaterialImporter {
     }
     Material none;  // what the specification gives to primitives without a material
     none.name = "default";
-    none.metallic = import_.options.lambert ? 0.0f : 1.0f;
-    none.lambert = import_.options.lambert;
+    none.metallic = 1.0f;
     import_.scene.materials.push_back(std::move(none));
     channels_of_material_.emplace_back(1);
     import_.report.materials = materials.size();
@@ -109,11 +108,9 @@ class MaterialImporter {
  private:
   Result<Material> importMaterial(const tinygltf::Material& from, const std::string& at) {
     const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
-    const bool lambert = import_.options.lambert;
     Material material;
     material.name = from.name;
-    material.lambert = lambert;
-    material.unlit = !lambert && find(from.extensions, kMaterialUnlit) != nullptr;
+    material.unlit = find(from.extensions, kMaterialUnlit) != nullptr;
     for (int c = 0; c < 4; ++c) material.base_color[c] = unit(pbr.baseColorFactor[static_cast<size_t>(c)]);
     if (from.alphaMode == "MASK") {
       if (!std::isfinite(from.alphaCutoff) || from.alphaCutoff < 0.0)
@@ -145,7 +142,7 @@ class MaterialImporter {
       use(TextureSlot::emissive, useOf(from.emissiveTexture), kColor, material.emissive_texture);
     }
     use(TextureSlot::base_color, useOf(pbr.baseColorTexture), kColor, material.base_color_texture);
-    if (!lambert && !material.unlit) {
+    if (!material.unlit) {
       if (Result<void> read = readFactors(from, at, material); !read) return read.error();
       use(TextureSlot::metallic_roughness, useOf(pbr.metallicRoughnessTexture), kData,
           material.metallic_roughness_texture);

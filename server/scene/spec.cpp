@@ -116,11 +116,10 @@ Result<Spec> loadSpec(const std::filesystem::path& file) {
     spec.height = count(document, "height");
     spec.samples = count(document, "spp");
     spec.bounces = count(document, "max_bounces");
+    spec.lambert = lambert(document);
     Scene scene;
     if (!at(document, "gltf").is_null()) {
-      GltfOptions options;
-      options.lambert = lambert(document);
-      auto model = loadGltf(file.parent_path() / text(document, "gltf"), options);
+      auto model = loadGltf(file.parent_path() / text(document, "gltf"));
       if (!model) return model.error();
       scene = **model;
     }

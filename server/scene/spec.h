@@ -15,6 +15,7 @@ struct Spec {
   uint32_t width = 0, height = 0;
   uint32_t samples = 0;  ///< a pixel
   uint32_t bounces = 0;
+  bool lambert = false;  ///< materials: every surface two-sided Lambert with base colour and emission
 };
 
 /// Reads a JSON object {name, gltf: path from the file's folder or null, materials: "gltf" | "lambert", width, height,

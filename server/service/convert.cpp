@@ -77,6 +77,12 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
       return outOfRange(name + ".exposure.mode", text(int(message.exposure().mode())), "ExposureMode");
   }
   view.exposure_ev = message.exposure().ev();
+  // Both enumerations have the same numbers.
+  static_assert(v1::MATERIAL_OVERRIDE_MATERIALS == static_cast<int>(render::MaterialOverride::materials) &&
+                v1::MaterialOverride_ARRAYSIZE == shared::kMaterialOverrides);
+  if (!v1::MaterialOverride_IsValid(message.materials()))
+    return outOfRange(name + ".materials", text(int(message.materials())), "MaterialOverride");
+  view.materials = static_cast<render::MaterialOverride>(message.materials());
   if (message.has_bounces()) view.bounces = message.bounces();
   return view;
 }
@@ -195,6 +201,7 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_max_latency_ms(settings.max_latency_ms);
   out.mutable_stream()->set_jpeg_quality(uint32_t(settings.jpeg_quality));
   out.set_paused(settings.paused);
+  out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
   return out;
 }
 
@@ -311,10 +318,21 @@ v1::MemoryUse toWire(const render::MemoryUse& memory) {
   return out;
 }
 
+void toWire(const std::vector<render::DroppedSamples>& dropped,
+            google::protobuf::RepeatedPtrField<v1::DroppedSamples>& out) {
+  for (const render::DroppedSamples& kind : dropped) {
+    v1::DroppedSamples& message = *out.Add();
+    message.set_pass(kind.pass);
+    message.set_cause(kind.cause);
+    message.set_samples(kind.samples);
+  }
+}
+
 v1::FrameTelemetry toWire(const render::FrameStats& stats) {
   v1::FrameTelemetry out;
   fillStats(stats, out);
   out.set_nonfinite(stats.nonfinite);
+  toWire(stats.dropped, *out.mutable_dropped_samples());
   out.set_accumulated(stats.accumulated);
   out.set_tlas_instances(stats.tlas_instances);
   out.set_triangles_drawn(stats.triangles_drawn);

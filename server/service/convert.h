@@ -49,6 +49,8 @@ v1::Bounds toWire(const scene::Aabb& box);
 v1::Sun toWire(const scene::Sun& sun);
 v1::RayCounts toWire(const render::Rays& rays);
 v1::MemoryUse toWire(const render::MemoryUse& memory);
+void toWire(const std::vector<render::DroppedSamples>& dropped,
+            google::protobuf::RepeatedPtrField<v1::DroppedSamples>& out);
 
 /// Fields that Frame telemetry and viewer telemetry share: passes, effects, rays, memory, gpu_ms.
 template <typename Message>

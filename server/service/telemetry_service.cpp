@@ -42,6 +42,7 @@ void describe(const ViewerStatus& viewer, const telemetry::ViewerCounters& last,
     out.set_acknowledgement_age_ms(static_cast<float>(telemetry::milliseconds(now - *viewer.last_acknowledged)));
   out.set_applied_seq(counters.newest.applied_seq);
   fillStats(counters.newest, out);
+  toWire(counters.dropped_samples, *out.mutable_dropped_samples());
   out.set_camera_wait_us(mean(counters.sums.camera_wait, last.sums.camera_wait));
   out.set_tick_us(mean(counters.sums.tick, last.sums.tick));
   out.set_mailbox_us(mean(counters.sums.mailbox, last.sums.mailbox));

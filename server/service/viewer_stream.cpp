@@ -212,6 +212,7 @@ ViewDemand ViewerStream::demand(Clock::time_point now) {
 
 void ViewerStream::deliver(render::Frame frame, Clock::duration tick) {
   std::lock_guard lock(mutex_);
+  counters_.countDropped(frame.stats.dropped);
   if (ending_ || half_closed_ || finished_ || change_in_tick_ != settings_change_) return;
   Rendered rendered{std::move(frame), in_tick_, {}, settings_.jpeg_quality, settings_change_};
   if (!in_tick_.rendered && in_tick_.arrived != Clock::time_point{})

@@ -26,6 +26,16 @@ void ViewerCounters::count(const Stages& stages, uint32_t dropped_before, uint64
   sums.write += stages.write;
 }
 
+void ViewerCounters::countDropped(const std::vector<render::DroppedSamples>& of_frame) {
+  for (const render::DroppedSamples& more : of_frame) {
+    const auto known =
+        std::find_if(dropped_samples.begin(), dropped_samples.end(),
+                     [&](const auto& kind) { return kind.pass == more.pass && kind.cause == more.cause; });
+    if (known == dropped_samples.end()) dropped_samples.push_back(more);
+    else known->samples += more.samples;
+  }
+}
+
 void EditLatency::arrived(uint64_t seq, Clock::time_point when) {
   std::lock_guard lock(mutex_);
   waiting_.emplace_back(seq, when);

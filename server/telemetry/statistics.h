@@ -36,7 +36,10 @@ struct ViewerCounters {
   uint64_t bytes = 0;
   Stages sums;
   render::FrameStats newest;
+  std::vector<render::DroppedSamples> dropped_samples;  ///< of all frames rendered, by pass and cause
 
+  /// What was dropped in a frame, whether it is sent or not.
+  void countDropped(const std::vector<render::DroppedSamples>& of_frame);
   void count(const Stages& stages, uint32_t dropped_before, uint64_t size);
 };
 

@@ -2,6 +2,7 @@
 // for exactly what the scene calls for.
 #ifndef HELIO_EFFECTS_GLSL
 #define HELIO_EFFECTS_GLSL
+#include "shared/material_override.h"
 
 layout(constant_id = 0) const bool kTextures = true;
 layout(constant_id = 1) const bool kNormalMaps = true;
@@ -14,5 +15,8 @@ layout(constant_id = 7) const bool kVertexColors = true;
 layout(constant_id = 8) const bool kSpecular = true;
 layout(constant_id = 9) const bool kUnlit = true;
 layout(constant_id = 10) const bool kAlphaMasks = true;
+
+// What stands in the place of all materials: shared/material_override.h.
+layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;
 
 #endif

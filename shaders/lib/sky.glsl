@@ -6,7 +6,8 @@
 #include "lib/tables.glsl"
 
 vec3 skyRadiance(vec3 direction) {
-  return kSkyGradient ? mix(frame.sky_ground, frame.sky_zenith, 0.5 + 0.5 * direction.y) : frame.sky_zenith;
+  // A unit vector in floats may be a little longer: without the clamp a black end of the gradient turns negative.
+  return kSkyGradient ? mix(frame.sky_ground, frame.sky_zenith, clamp(0.5 + 0.5 * direction.y, 0.0, 1.0)) : frame.sky_zenith;
 }
 
 bool inSunDisc(vec3 direction) {

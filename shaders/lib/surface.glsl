@@ -7,7 +7,10 @@
 #include "lib/effects.glsl"
 #include "lib/hit.glsl"
 #include "lib/math.glsl"
+#include "lib/random.glsl"
 #include "lib/tables.glsl"
+
+const float kWhiteAlbedo = 0.8;
 
 // A triangle in world space.
 struct Triangle {
@@ -112,6 +115,20 @@ vec3 vertexColor(Triangle t, vec3 w) {
   return color;
 }
 
+// Colours of things that have numbers, far apart for neighbours.
+vec3 colorOfNumber(uint number) { return 0.15 + 0.85 * randomAt(uvec2(number, 0u), 0u, 0u).xyz; }
+
+// What kMaterials asks to see of a surface (shared/material_override.h).
+vec3 shownProperty(vec3 albedo, vec2 roughness_metallic, vec3 emission, vec3 normal, vec3 geometric_normal, vec2 uv, uint slot, uint material) {
+  if (kMaterials == kShowAlbedo) return albedo;
+  if (kMaterials == kShowRoughnessMetallic) return vec3(0.0, roughness_metallic);
+  if (kMaterials == kShowEmission) return emission;
+  if (kMaterials == kShowNormals) return 0.5 + 0.5 * normal;
+  if (kMaterials == kShowGeometricNormals) return 0.5 + 0.5 * geometric_normal;
+  if (kMaterials == kShowTextureCoordinates) return vec3(fract(uv), 0.0);
+  return colorOfNumber(kMaterials == kShowInstances ? slot : material);
+}
+
 Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float cone_spread, vec3 origin) {
   const InstanceRecord instance = InstanceTable(frame.instances).items[hit.slot];
   const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
@@ -160,7 +177,7 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
       // Channel 0 and the finest level, as light sampling reads it: both must see the same emitter, or their weights do not add
       // up to 1.
       s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], p.uv, 0.0).rgb;
-    if (kNormalMaps && material.normal_texture != kNoTexture) {
+    if (kNormalMaps && kMaterials != kMaterialsLambert && material.normal_texture != kNoTexture) {
       vec3 tangent = vectorToWorld(instance, octahedral(a0.tangent & ~1u) * w.x + octahedral(a1.tangent & ~1u) * w.y + octahedral(a2.tangent & ~1u) * w.z);
       tangent -= normal * dot(normal, tangent);
       const float tangent_length = length(tangent);
@@ -184,7 +201,11 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
     dielectric = Dielectric(min(specular.f0, vec3(1.0)) * specular.weight, specular.f90 * specular.weight,
                             (material.flags & kMaterialTintedSpecular) != 0u);
   bool lambert = (material.flags & kMaterialLambert) != 0u;
-  if (kUnlit && (material.flags & kMaterialUnlit) != 0u) {
+  const bool relit = kMaterials == kMaterialsLambert || kMaterials == kMaterialsWhite;
+  if (relit) lambert = true;
+  if (kMaterials == kMaterialsWhite) base.rgb = vec3(kWhiteAlbedo);
+  const vec3 albedo = base.rgb;
+  if (kUnlit && !relit && (material.flags & kMaterialUnlit) != 0u) {
     s.emission = base.rgb;
     base.rgb = vec3(0.0);
     lambert = true;
@@ -195,6 +216,12 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   // A shading normal that faces away from the viewer is bent back until it just faces them.
   const float facing = dot(normal, -direction);
   if (facing < 1e-3) normal = normalize(normal + (1e-3 - facing) * -direction);
+  if (kMaterials >= kShowAlbedo) {  // a black surface that shines with what is shown
+    const vec2 uv = a0.uv * w.x + a1.uv * w.y + a2.uv * w.z;
+    s.emission = shownProperty(albedo, vec2(roughness, metallic), s.emission, normal, s.geometric_normal, uv, hit.slot, t.geometry.material);
+    base.rgb = vec3(0.0);
+    lambert = true;
+  }
   s.frame_ = basis(normal);
   s.bsdf = makeBsdf(base.rgb, metallic, roughness, lambert, dielectric);
 

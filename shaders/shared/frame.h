@@ -1,6 +1,7 @@
 // What every pass of a view is given: one block of constants by address, and a few push constants.
 #ifndef HELIO_SHARED_FRAME_H
 #define HELIO_SHARED_FRAME_H
+#include "shared/faults.h"
 #include "shared/types.h"
 
 HELIO_SHARED_BEGIN
@@ -51,7 +52,7 @@ struct FrameConstants {
   uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
   uint radiance;           // rgba32f: this sample
   uint accumulation;       // rgba32f: mean of the samples so far
-  uint path_info;          // r32ui: rays and dropped samples of this tick (packPathInfo)
+  uint path_info;          // r32ui: rays of this sample by kind, 8 bits each, and what its path waits for
   uint64_t path_states;    // PathState a pixel (shared/paths.h)
   uint64_t path_pixels;    // two lists of pixels whose paths go on
   uint64_t path_launches;  // PathLaunch a vertex
@@ -71,7 +72,7 @@ struct ViewState {
   uint bounce_rays;
   uint shadow_rays;
   uint retrace_rays;
-  uint nonfinite;
+  Faults faults;
 };
 
 // One sample of a view: pushed to every pass.
@@ -86,11 +87,16 @@ struct SampleConstants {
   float adaptation;     // share of the way to the new exposure, (0, 1]
   uint auto_exposure;   // 0: exposure = exposure_bias
   uint source;          // tonemap, histogram: image to read
+  uint curve;           // tonemap: kCurve...
   // path_trace: this launch takes paths from their vertex `first_vertex` (the camera's aside) up to `last_vertex`.
   uint launch;
   uint first_vertex;
   uint last_vertex;
 };
+
+HELIO_CONSTANT kCurveTone = 0u;   // exposure, tone curve, sRGB
+HELIO_CONSTANT kCurveColor = 1u;  // sRGB alone
+HELIO_CONSTANT kCurveNone = 2u;   // values as they are
 
 struct RayLogEntry {
   vec3 origin;

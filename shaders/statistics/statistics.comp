@@ -1,20 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Sums up what the paths of this tick cost: rays by kind, samples dropped.
+// Sums up what the paths of this tick cost: rays by kind.
 #include "lib/bindless.glsl"
 #include "lib/tables.glsl"
 
 layout(local_size_x = 16, local_size_y = 16) in;
 
-shared uint sums[4];
+const uint kKinds = 3u;
+shared uint sums[kKinds];
 
 void main() {
-  if (gl_LocalInvocationIndex < 4u) sums[gl_LocalInvocationIndex] = 0u;
+  if (gl_LocalInvocationIndex < kKinds) sums[gl_LocalInvocationIndex] = 0u;
   barrier();
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (pixel.x < int(frame.width) && pixel.y < int(frame.height)) {
     const uint info = imageLoad(images_r32ui[frame.path_info], pixel).x;
-    for (uint i = 0u; i < 4u; ++i) {
+    for (uint i = 0u; i < kKinds; ++i) {
       const uint count = info >> 8u * i & 0xffu;
       if (count > 0u) atomicAdd(sums[i], count);
     }
@@ -25,6 +26,5 @@ void main() {
     atomicAdd(view.state.bounce_rays, sums[0]);
     atomicAdd(view.state.shadow_rays, sums[1]);
     atomicAdd(view.state.retrace_rays, sums[2]);
-    atomicAdd(view.state.nonfinite, sums[3]);
   }
 }

@@ -28,8 +28,9 @@ void main() {
   if (pixel.x >= frame.width || pixel.y >= frame.height) return;
   const float exposure = push.auto_exposure != 0u ? ViewStateRef(frame.view_state).state.exposure : push.exposure_bias;
   const vec3 radiance = imageLoad(images_rgba32f[push.source], ivec2(pixel)).rgb;
-  const vec3 display = toSrgb(clamp(pbrNeutral(radiance * exposure), 0.0, 1.0));
-  // Half a step of noise, the same in every frame, hides the steps that 8 bits make of a smooth sky.
-  const float noise = randomAt(pixel, 0u, 0u).x - 0.5;
+  vec3 display = clamp(push.curve == kCurveTone ? pbrNeutral(radiance * exposure) : radiance, 0.0, 1.0);
+  if (push.curve != kCurveNone) display = toSrgb(display);
+  // Half a step of noise, the same in every frame, hides the steps that 8 bits make of a smooth sky. Numbers have none.
+  const float noise = push.curve == kCurveNone ? 0.0 : randomAt(pixel, 0u, 0u).x - 0.5;
   PixelTable(frame.pixels).items[pixel.y * frame.width + pixel.x] = packUnorm4x8(vec4(display + noise / 255.0, 1.0));
 }

@@ -4,21 +4,18 @@
 #include <functional>
 
 #include "bench/image.h"
-#include "render/renderer.h"
-#include "world/world.h"
+#include "scene/spec.h"
+#include "support/viewed_world.h"
 
 namespace helio::bench {
 
-/// A world with one view that stands still. Removes both from the renderer at its end.
+/// A world whose view stands still.
 class Accumulation {
  public:
   /// `settings`: mode reference; samples and keep_radiance are set here. Errors: the renderer's.
   static Result<std::unique_ptr<Accumulation>> start(render::Renderer& renderer, scene::ScenePtr scene,
                                                      const scene::NamedCamera& camera,
                                                      const render::ViewSettings& settings);
-  ~Accumulation();
-  Accumulation(const Accumulation&) = delete;
-  Accumulation& operator=(const Accumulation&) = delete;
 
   /// Goes on until the picture is the mean of `samples` a pixel, more than it has; `step` is called for each.
   Result<void> growTo(
@@ -32,15 +29,12 @@ class Accumulation {
   uint64_t nonfinite() const { return nonfinite_; }
 
  private:
-  Accumulation(render::Renderer& renderer, scene::ScenePtr scene, const scene::NamedCamera& camera,
+  Accumulation(std::unique_ptr<test::ViewedWorld> viewed, const scene::Camera& camera,
                const render::ViewSettings& settings);
 
-  render::Renderer& renderer_;
-  world::World world_;
-  scene::NamedCamera camera_;
+  std::unique_ptr<test::ViewedWorld> viewed_;
+  scene::Camera camera_;
   render::ViewSettings settings_;
-  render::WorldHandle handle_ = 0;
-  render::ViewHandle view_ = 0;
   render::Frame frame_;
   uint32_t samples_ = 0;
   double gpu_ms_ = 0.0;
@@ -49,5 +43,7 @@ class Accumulation {
 
 /// Reference mode at the size and bounces given: no roulette, no automatic exposure.
 render::ViewSettings referenceSettings(uint32_t width, uint32_t height, uint32_t bounces);
+/// The same as `spec` asks for, materials included.
+render::ViewSettings specSettings(const scene::Spec& spec);
 
 }  // namespace helio::bench

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bench/accumulation.h"
+#include "bench/device.h"
 #include "bench/files.h"
 #include "bench/progress.h"
 #include "bench/report.h"
@@ -32,7 +33,8 @@ constexpr double kFullColour = 0.1;
 struct FidelityOptions {
   std::vector<std::string> specs;
   uint32_t samples = 0;  // 0: the spec's
-  std::string out = "out/fidelity", device;
+  std::string out = "out/fidelity";
+  render::RendererOptions renderer;
   bool json = false;
 };
 
@@ -55,8 +57,7 @@ struct Picture {
 };
 
 Result<Picture> renderSpec(render::Renderer& renderer, const scene::Spec& spec, uint32_t samples) {
-  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(),
-                                          referenceSettings(spec.width, spec.height, spec.bounces));
+  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(), specSettings(spec));
   if (!accumulation) return accumulation.error();
   Accumulation& run = **accumulation;
   Progress progress(spec.name, samples);
@@ -145,7 +146,7 @@ Result<void> measure(const FidelityOptions& options, const std::string& command_
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
-  auto renderer = render::makeRenderer({options.device});
+  auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
   const Provenance origin = provenance((*renderer)->device(), command_line);
 
@@ -180,7 +181,7 @@ void addFidelityCommand(CLI::App& app, const std::string& command_line, Action& 
   command.add_option("--spp", options->samples, "samples a pixel; default: the SPEC's")
       ->check(CLI::Range(1, 1'000'000));
   command.add_option("--out", options->out, "a folder for the pictures")->capture_default_str();
-  command.add_option("--device", options->device, "part of a device's name, cpu or gpu")->envname("HELIOGRAPH_DEVICE");
+  addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {
     chosen = [options, command_line] { return measure(*options, command_line); };

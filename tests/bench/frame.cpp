@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "bench/device.h"
 #include "bench/files.h"
 #include "bench/frame_report.h"
 #include "bench/progress.h"
@@ -138,7 +139,7 @@ Result<void> writePicture(const render::Pixels& pixels, const std::string& path)
 }
 
 Result<void> measureFrames(const FrameOptions& options, const std::string& command_line) {
-  auto renderer = render::makeRenderer({options.device});
+  auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
   FrameReport report;
   report.provenance = provenance((*renderer)->device(), command_line);
@@ -212,8 +213,7 @@ void addFrameCommand(CLI::App& app, const std::string& command_line, Action& cho
                   "in mode reference")
       ->check(CLI::IsMember({"raster", "traced", "both"}))
       ->option_text("KIND");
-  command.add_option("--device", options->device,
-                     "part of a Vulkan device's name, cpu or gpu; default: HELIOGRAPH_DEVICE, then the best there is");
+  addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "one JSON document, schema heliograph.bench.frame/1");
   command.add_option("--out", options->picture, "PNG file for the last picture measured");
   command.callback([&chosen, options, primary, command_line] {

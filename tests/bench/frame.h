@@ -16,7 +16,7 @@ struct FrameOptions {
   std::vector<render::Primary> primaries;  ///< measured in turn, frame by frame
   uint32_t frames = 20;
   uint32_t warmup = 5;
-  std::string device;
+  render::RendererOptions renderer;
   std::string picture;  ///< a file for the last picture; empty: none
   bool json = false;
 };

@@ -12,6 +12,7 @@
 #include "bench/frame.h"
 #include "bench/report.h"
 #include "bench/sampler.h"
+#include "bench/stability.h"
 
 namespace {
 
@@ -37,6 +38,7 @@ int main(int argc, char** argv) {
   bench::addFrameCommand(app, command_line, action);
   bench::addFidelityCommand(app, command_line, action);
   bench::addSamplerCommand(app, command_line, action);
+  bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);
   try {
     app.parse(argc, argv);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bench/accumulation.h"
+#include "bench/device.h"
 #include "bench/progress.h"
 #include "bench/report.h"
 #include "bench/stage.h"
@@ -31,7 +32,8 @@ constexpr uint32_t kBlock = 1024;  // samples of the low-discrepancy sequence th
 
 struct SamplerOptions {
   StageOptions stage;
-  std::string spec, device;
+  std::string spec;
+  render::RendererOptions renderer;
   uint32_t width = 160, height = 90, bounces = 3;
   uint32_t most = 256, truth = 2048;
   bool json = false;
@@ -41,19 +43,20 @@ struct Subject {
   std::string name;
   scene::ScenePtr scene;
   scene::NamedCamera camera;
-  uint32_t width = 0, height = 0, bounces = 0;
+  render::ViewSettings settings;
 };
 
 Result<Subject> open(const SamplerOptions& options) {
   if (!options.spec.empty()) {
     const auto spec = scene::loadSpec(options.spec);
     if (!spec) return spec.error();
-    return Subject{spec->name, spec->scene, spec->scene->cameras.front(), spec->width, spec->height, spec->bounces};
+    return Subject{spec->name, spec->scene, spec->scene->cameras.front(), specSettings(*spec)};
   }
   if (auto valid = check(options.stage); !valid) return valid.error();
   const auto stage = Stage::open(options.stage);
   if (!stage) return stage.error();
-  return Subject{stage->camera().name, stage->scene(), stage->camera(), options.width, options.height, options.bounces};
+  return Subject{stage->camera().name, stage->scene(), stage->camera(),
+                 referenceSettings(options.width, options.height, options.bounces)};
 }
 
 /// Pictures by sample count, and what came after the first block.
@@ -63,7 +66,7 @@ struct Run {
 };
 
 Result<Run> render(render::Renderer& renderer, const Subject& subject, Sampler sampler, const SamplerOptions& options) {
-  render::ViewSettings settings = referenceSettings(subject.width, subject.height, subject.bounces);
+  render::ViewSettings settings = subject.settings;
   settings.sampler = sampler;
   auto accumulation = Accumulation::start(renderer, subject.scene, subject.camera, settings);
   if (!accumulation) return accumulation.error();
@@ -94,7 +97,7 @@ double slope(const std::map<uint32_t, double>& errors) {
 Result<void> measure(const SamplerOptions& options, const std::string& command_line) {
   const auto subject = open(options);
   if (!subject) return subject.error();
-  auto renderer = render::makeRenderer({options.device});
+  auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
   const Provenance origin = provenance((*renderer)->device(), command_line);
 
@@ -147,7 +150,7 @@ void addSamplerCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--truth", options->truth, "further samples that the truth is made of")
       ->capture_default_str()
       ->check(CLI::Range(64u, 1'000'000u));
-  command.add_option("--device", options->device, "part of a device's name, cpu or gpu")->envname("HELIOGRAPH_DEVICE");
+  addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {
     chosen = [options, command_line] { return measure(*options, command_line); };

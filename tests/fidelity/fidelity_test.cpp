@@ -50,7 +50,7 @@ TEST_P(FidelityTest, MeansAgree) {
   const auto reference = bench::readPfm(file.string() + ".ref.pfm");
   ASSERT_TRUE(reference) << reference.error().message;
   auto run = bench::Accumulation::start(renderer(), spec->scene, spec->scene->cameras.front(),
-                                        bench::referenceSettings(spec->width, spec->height, spec->bounces));
+                                        bench::specSettings(*spec));
   ASSERT_TRUE(run) << run.error().message;
   const auto grown = (*run)->growTo(GetParam().samples);
   ASSERT_TRUE(grown) << grown.error().message;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "hard/histories.h"
 #include "support/scenes.h"
 
 namespace helio::test {
@@ -203,7 +204,8 @@ HardScene pinholeRoom(double hole) {
   unitSky(b, f(sky));
   HardScene s{b.build(), lookAt({0, 0, 0}, {0, -2, 0}, kNarrow), 0, 1024};
   s.truth = 1.0;
-  s.tolerance = 0.05;  // light finds the hole by chance: 1 % needs 10^6 samples (helio-bench stability)
+  s.tolerance = 0.05;  // light finds the hole by chance: 1 % takes helio-bench stability
+  s.converged_samples = 8192;
   return s;
 }
 
@@ -219,6 +221,16 @@ HardScene oddCamera(double variant) {
   if (variant == 3.0) camera = lookAt({0.5f, 0.5f, 0.5f}, {0, 0, 0}), truth.reset();
   HardScene s{b.build(), camera};
   s.truth = truth;
+  return s;
+}
+
+/// An exact truth in every pixel, however far from the middle.
+HardScene wideView(double degrees) {
+  SceneBuilder b;
+  b.place(b.prefab("plane", quad(1e4f), b.material(lambert(vec3(0.5f)))));
+  unitSky(b);
+  HardScene s{b.build(), lookAt({0, 1, 0}, {0, 0, 0}, f(degrees * kPi / 180.0))};
+  s.truth = 0.5;
   return s;
 }
 
@@ -322,8 +334,13 @@ const std::vector<HardCase>& hardCases() {
       {"facing_mirrors", "bounces", {3, 8, 16, 32}, facingMirrors},
       {"white_sphere", "part that shines", {0.5, 0.2, 0.1, 0.05}, whiteSphere},
       {"pinhole_room", "metres of the hole", {2, 1, 0.5, 0.25}, pinholeRoom},
-      {"odd_camera", "inside a cube, on it, straight up, at a corner", {0, 1, 2, 3}, oddCamera},
-      {"little_world", "nothing, no light, one triangle, of size 0", {0, 1, 2, 3}, littleWorld},
+      {"odd_camera", "inside a cube, on it, straight up, at a corner", {0, 1, 2, 3}, oddCamera, true},
+      {"little_world", "nothing, no light, one triangle, of size 0", {0, 1, 2, 3}, littleWorld, true},
+      {"same_far_away", "metres from the origin", {8, 80, 800, 8000}, stillLifeAt},
+      {"after_a_jump", "metres from a lamp of radiance 1000", {8, 80, 800, 8000}, afterAJump},
+      {"after_a_resize", "times as many pixels before", {4, 16, 64, 256}, afterAResize},
+      {"time_step", "seconds a tick", {0, 0.01, 1, 10}, timeStep},
+      {"wide_view", "degrees from top to bottom", {60, 120, 160, 177}, wideView},
   };
   return cases;
 }

@@ -23,8 +23,11 @@ void expectNear(const glm::vec3& seen, const glm::vec3& expected, float toleranc
 /// Straight down at (x, 0, z) from close by: the picture is a point.
 scene::Camera above(float x, float z) { return lookAt({x, 2, z}, {x, 0, z}, 0.002f); }
 
-glm::vec3 seenBy(Stage& stage, const scene::Camera& camera, uint32_t samples = 1) {
-  return mean(stage.accumulate(camera, referenceSettings(16, 16), samples));
+glm::vec3 seenBy(Stage& stage, const scene::Camera& camera, uint32_t samples = 1,
+                 render::MaterialOverride materials = render::MaterialOverride::none) {
+  render::ViewSettings settings = referenceSettings(16, 16);
+  settings.materials = materials;
+  return mean(stage.accumulate(camera, settings, samples));
 }
 
 /// A quad under a sky of radiance 1.
@@ -65,11 +68,9 @@ scene::GltfBuilder quadFile(const json& material) {
 }
 
 /// The file's scene under a sky of radiance 1 alone.
-scene::ScenePtr underSky(const scene::GltfBuilder& file, bool lambert = false) {
+scene::ScenePtr underSky(const scene::GltfBuilder& file) {
   const scene::TempFolder folder;
-  scene::GltfOptions options;
-  options.lambert = lambert;
-  Result<scene::ScenePtr> loaded = scene::loadGltf(file.save(folder), options);
+  Result<scene::ScenePtr> loaded = scene::loadGltf(file.save(folder));
   if (!loaded) throw std::runtime_error(loaded.error().message);
   auto changed = std::make_shared<scene::Scene>(**loaded);
   changed->environment = {{}, {glm::vec3(1.0f), glm::vec3(1.0f)}};
@@ -111,11 +112,12 @@ TEST(Surface, EachTextureHasItsOwnCoordinates) {
   const json material = {{"pbrMetallicRoughness", {{"baseColorTexture", texture({{"offset", {0.5, 0}}})}}},
                          {"emissiveTexture", texture({{"offset", {0, 0.5}}})},
                          {"emissiveFactor", {0.5, 0.5, 0.5}}};
-  Stage stage(underSky(quadFile(material), true));
+  Stage stage(underSky(quadFile(material)));
+  constexpr auto kLambert = render::MaterialOverride::lambert;
   // Lambert under a sky of 1: emission plus base colour.
-  expectNear(seenBy(stage, above(-0.5f, -0.5f), 4), 0.5f * kBlue + kGreen, kFiltered);
-  expectNear(seenBy(stage, above(0.5f, -0.5f), 4), 0.5f * kWhite + kRed, kFiltered);
-  expectNear(seenBy(stage, above(0.5f, 0.5f), 4), 0.5f * kGreen + kBlue, kFiltered);
+  expectNear(seenBy(stage, above(-0.5f, -0.5f), 4, kLambert), 0.5f * kBlue + kGreen, kFiltered);
+  expectNear(seenBy(stage, above(0.5f, -0.5f), 4, kLambert), 0.5f * kWhite + kRed, kFiltered);
+  expectNear(seenBy(stage, above(0.5f, 0.5f), 4, kLambert), 0.5f * kGreen + kBlue, kFiltered);
 }
 
 // Six textures with six mappings are the same as their values, where these are those of one texel.

@@ -200,9 +200,6 @@ TEST(GltfFeatures, IorAndSpecular) {
 
   EXPECT_FALSE(load(withMaterial(json::object()))->materials[0].hasOwnSpecular());
   EXPECT_EQ(load(withMaterial({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}))->materials[0].ior, 0.0f);
-  GltfOptions lambert;
-  lambert.lambert = true;
-  EXPECT_FALSE(load(builder, nullptr, lambert)->materials[0].hasOwnSpecular());
 }
 
 TEST(GltfFeatures, UnlitKeepsItsBaseColourAlone) {

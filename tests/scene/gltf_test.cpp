@@ -300,7 +300,6 @@ TEST(Gltf, MaterialsAndTheirTextures) {
   EXPECT_EQ(material.roughness, 0.375f);
   EXPECT_EQ(material.emission, glm::vec3(12.5f, 6.25f, 0.0f));
   EXPECT_EQ(material.normal_scale, 0.5f);
-  EXPECT_FALSE(material.lambert);
 
   ASSERT_EQ(scene->textures.size(), 2u);  // one image: once as colour, once as data
   EXPECT_EQ(material.base_color_texture, material.emissive_texture);
@@ -310,22 +309,6 @@ TEST(Gltf, MaterialsAndTheirTextures) {
   EXPECT_EQ(scene->textures[0].width, 2u);
   EXPECT_EQ(scene->textures[0].height, 1u);
   EXPECT_THAT(scene->textures[0].rgba, ElementsAre(255, 0, 0, 255, 0, 128, 255, 7));
-}
-
-TEST(Gltf, LambertLeavesColourAndEmission) {
-  GltfOptions options;
-  options.lambert = true;
-  const ScenePtr scene = load(materials(), options);
-  const Material& material = scene->materials[0];
-  EXPECT_TRUE(material.lambert);
-  EXPECT_EQ(material.metallic, 0.0f);
-  EXPECT_EQ(material.roughness, 1.0f);
-  EXPECT_EQ(material.normal_texture, kNone);
-  EXPECT_EQ(material.metallic_roughness_texture, kNone);
-  EXPECT_NE(material.base_color_texture, kNone);
-  EXPECT_EQ(material.emission, glm::vec3(12.5f, 6.25f, 0.0f));
-  EXPECT_TRUE(scene->materials.back().lambert);
-  EXPECT_EQ(scene->textures.size(), 1u);
 }
 
 TEST(Gltf, CamerasComeAlong) {

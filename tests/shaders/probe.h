@@ -29,6 +29,13 @@ struct ProbeConstants {
 };
 HELIO_CONSTANT kProbeGroup = 256u;
 
+// A storage image of `size` x `size` texels becomes `value`.
+struct FillConstants {
+  uint slot;
+  uint size;
+  vec4 value;
+};
+
 // Numbers in [0, 1).
 struct RandomNumbers {
   vec4 a;
@@ -76,6 +83,23 @@ struct RandomQuestion {
   uint y;
   uint sample_index;
   uint dimension;  // or decision
+};
+
+// A run of `count` samples through the accumulation, and their exact sum.
+HELIO_CONSTANT kAccumulateConstant = 0u;
+HELIO_CONSTANT kAccumulateNoise = 1u;
+HELIO_CONSTANT kAccumulateSpikes = 2u;     // one sample in a thousand is 150,000 times as bright as the others
+HELIO_CONSTANT kAccumulateDarkening = 3u;  // the first hundredth is 1000 times as bright as the rest
+HELIO_CONSTANT kAccumulationUnit = 1024u;
+struct AccumulationQuestion {
+  uint count;
+  uint kind;  // kAccumulate...
+  uint seed;
+};
+struct AccumulationAnswer {
+  uint64_t sum;  // in units of 1 / kAccumulationUnit
+  float mean;
+  float samples;
 };
 
 HELIO_SHARED_END

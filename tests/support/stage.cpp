@@ -4,6 +4,16 @@
 #include <fstream>
 
 namespace helio::test {
+namespace {
+
+/// The value; an error throws, and so fails the test.
+template <typename T>
+T orThrow(Result<T> result) {
+  if (!result) throw std::runtime_error(result.error().message);
+  return std::move(*result);
+}
+
+}  // namespace
 
 render::Renderer& renderer() {
   static const std::unique_ptr<render::Renderer> instance = [] {
@@ -11,29 +21,16 @@ render::Renderer& renderer() {
     options.device = std::getenv("HELIOGRAPH_DEVICE") ? "" : "cpu";
     options.strict_validation =
         std::getenv("HELIOGRAPH_TEST_WITHOUT_VALIDATION") == nullptr;  // the bundle has no layers
-    auto made = render::makeRenderer(options);
-    if (!made) throw std::runtime_error(made.error().message);
-    return std::move(*made);
+    options.strict_numerics = true;
+    return orThrow(render::makeRenderer(options));
   }();
   return *instance;
 }
 
-Stage::Stage(scene::ScenePtr scene) : world_(scene) {
-  auto world = renderer().addWorld(scene);
-  if (!world) throw std::runtime_error(world.error().message);
-  handle_ = *world;
-  view_ = *renderer().addView(handle_);
-}
-
-Stage::~Stage() { renderer().removeWorld(handle_); }
+Stage::Stage(scene::ScenePtr scene) : viewed_(orThrow(ViewedWorld::open(renderer(), std::move(scene)))) {}
 
 render::Frame Stage::tick(const scene::Camera& camera, const render::ViewSettings& settings) {
-  const render::ViewRequest request{view_, camera, settings};
-  auto frames = renderer().tick(handle_, world_.beginTick(1.0 / 60.0), std::span(&request, 1));
-  if (!frames) {
-    throw std::runtime_error(frames.error().message);  // fails the test
-  }
-  return std::move(frames->front());
+  return orThrow(viewed_->tick(camera, settings));
 }
 
 render::Frame Stage::accumulate(const scene::Camera& camera, const render::ViewSettings& settings, uint32_t count) {
@@ -43,19 +40,9 @@ render::Frame Stage::accumulate(const scene::Camera& camera, const render::ViewS
 }
 
 void Stage::edit(const std::vector<world::Edit>& edits) {
-  auto batch = world_.resolve(edits);
+  auto batch = world().resolve(edits);
   ASSERT_TRUE(batch.ok()) << batch.error().message;
-  ASSERT_TRUE(world_.apply(world_.seq() + 1, *batch).ok());
-}
-
-render::ViewSettings referenceSettings(uint32_t width, uint32_t height) {
-  render::ViewSettings settings;
-  settings.width = width;
-  settings.height = height;
-  settings.mode = render::Mode::reference;
-  settings.auto_exposure = false;
-  settings.keep_radiance = true;
-  return settings;
+  ASSERT_TRUE(world().apply(world().seq() + 1, *batch).ok());
 }
 
 glm::vec3 texel(const render::Frame& frame, uint32_t x, uint32_t y) {

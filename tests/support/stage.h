@@ -5,36 +5,29 @@
 
 #include <memory>
 
-#include "render/renderer.h"
 #include "scene/scene.h"
-#include "world/world.h"
+#include "support/viewed_world.h"
 
 namespace helio::test {
 
 /// The process's renderer, strict about validation. No device is a failure, never a skip.
 render::Renderer& renderer();
 
-/// One world with one view.
+/// One world with one view, on the process's renderer.
 class Stage {
  public:
   explicit Stage(scene::ScenePtr scene);
-  ~Stage();
 
   /// Ticks once; a failure throws, and so fails the test.
   render::Frame tick(const scene::Camera& camera, const render::ViewSettings& settings);
   /// Ticks `count` times with a still camera; the last frame.
   render::Frame accumulate(const scene::Camera& camera, const render::ViewSettings& settings, uint32_t count);
   void edit(const std::vector<world::Edit>& edits);
-  world::World& world() { return world_; }
+  world::World& world() { return viewed_->world(); }
 
  private:
-  world::World world_;
-  render::WorldHandle handle_ = 0;
-  render::ViewHandle view_ = 0;
+  std::unique_ptr<ViewedWorld> viewed_;
 };
-
-/// Small, reference, radiance kept, fixed exposure.
-render::ViewSettings referenceSettings(uint32_t width = 64, uint32_t height = 64);
 
 glm::vec3 texel(const render::Frame& frame, uint32_t x, uint32_t y);
 glm::vec3 mean(const render::Frame& frame);

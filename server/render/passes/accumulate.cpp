@@ -9,6 +9,7 @@ void Accumulate::add(const ViewPass& pass, const shared::SampleConstants& sample
   pass.graph.add("accumulate", pass.owner,
                  {{&view.radiance, gpu::use::compute_read},
                   {&view.accumulation, gpu::use::compute_write},
+                  {&view.state, gpu::use::compute_write},
                   {&view.constants, gpu::use::compute_read}},
                  [this, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline_);

@@ -6,7 +6,8 @@
 
 namespace helio::render {
 namespace {
-constexpr size_t kLogRaysConstant = 32;  // its id in path_trace.rgen: ids below belong to the effects
+// Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
+constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -40,16 +41,20 @@ std::string anyHit(effects::EffectSet effects) {
   return effects.has(effects::Effect::alpha_masks) ? "path_trace/cut_out.rahit" : "";
 }
 
-const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, bool log_rays) {
-  const std::pair key{effects.bits, log_rays};
+const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, MaterialOverride materials,
+                                                  bool log_rays) {
+  // What is shown takes emission's way.
+  if (showsProperty(materials)) effects.add(effects::Effect::emissive_triangles);
+  const Variant key{effects.bits, materials, log_rays};
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(key); found != variants_.end()) return found->second;
   }
   // Compile without the lock, so that no other world waits; should two do it at once, the first stays.
   gpu::Specialisation constants = effects::specialisation(effects);
-  constants.resize(kLogRaysConstant + 1);
+  constants.resize(kMaterialsConstant + 1);
   constants[kLogRaysConstant] = log_rays;
+  constants[kMaterialsConstant] = static_cast<uint32_t>(materials);
   gpu::RayTracingPipeline pipeline(device_, describeTrace("path_trace/path_trace.rgen", effects, constants));
   const std::lock_guard lock(mutex_);
   return variants_.emplace(key, std::move(pipeline)).first->second;
@@ -91,7 +96,7 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, false);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings().materials, false);
   pass.graph.add("path_trace", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},
@@ -99,7 +104,8 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {&view.visibility, gpu::use::ray_read},
                   {&pass.paths, kQueueUse},
                   {&view.radiance, gpu::use::ray_write},
-                  {&view.path_info, kPathUse}},
+                  {&view.path_info, kPathUse},
+                  {&view.state, gpu::use::ray_write}},
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
                    record(commands, pipeline, view, paths, sample);
                  });
@@ -107,7 +113,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, true);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings().materials, true);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},

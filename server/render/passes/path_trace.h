@@ -4,6 +4,7 @@
 
 #include <map>
 #include <mutex>
+#include <tuple>
 
 #include "gpu/pipelines.h"
 #include "render/passes/pass.h"
@@ -34,7 +35,8 @@ class PathTrace {
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
-  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, bool log_rays);
+  using Variant = std::tuple<uint32_t, MaterialOverride, bool>;  // bits of the effects, materials, whether rays are logged
+  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, MaterialOverride materials, bool log_rays);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;
@@ -42,7 +44,7 @@ class PathTrace {
   gpu::Device& device_;
   gpu::ComputePipeline compact_;
   std::mutex mutex_;
-  std::map<std::pair<uint32_t, bool>, gpu::RayTracingPipeline> variants_;
+  std::map<Variant, gpu::RayTracingPipeline> variants_;
 };
 
 }  // namespace helio::render
