@@ -122,11 +122,12 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
   shot->add_option("--city", options->city, "--local: a city of so many instances");
   shot->add_option("--seed", options->seed, "--local: of the city")->capture_default_str();
   shot->add_option("--gltf", options->gltf, "--local: a glTF file");
-  auto* spec = shot->add_option("--spec", options->spec,
-                                "--local: a SPEC.json, as of helio-bench fidelity: model, light, camera, size, samples, "
-                                "bounces and materials");
-  for (const char* other : {"--city", "--gltf", "--camera", "--position", "--target", "--size", "--bounces", "--mode",
-                            "--materials"})
+  auto* spec =
+      shot->add_option("--spec", options->spec,
+                       "--local: a SPEC.json, as of helio-bench fidelity: model, light, camera, size, samples, "
+                       "bounces and materials");
+  for (const char* other :
+       {"--city", "--gltf", "--camera", "--position", "--target", "--size", "--bounces", "--mode", "--materials"})
     spec->excludes(shot->get_option(other));
   shot->add_option("--sun-elevation", options->sun_elevation, "--local: degrees above the horizon");
   shot->add_option("--sun-azimuth", options->sun_azimuth, "--local: degrees from +z towards +x")->capture_default_str();

@@ -13,9 +13,9 @@ inline constexpr uint32_t kShotSamples = 16;
 
 struct ShotOptions {
   std::string world, camera, out = "shot.png", size = "640x360", mode = "reference", primary = "raster",
-                           materials = "none";
+                             materials = "none";
   std::vector<float> position, target;
-  double vfov = 50;  ///< degrees
+  double vfov = 50;                 ///< degrees
   std::optional<uint32_t> samples;  ///< a pixel; unset: kShotSamples, or the spec's
   uint32_t bounces = 3;
   float exposure_ev = 0;

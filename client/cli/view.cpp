@@ -13,7 +13,8 @@ namespace helio::cli {
 namespace {
 
 struct ViewOptions {
-  std::string world, script, camera, out = "frames", size = "640x360", mode = "hybrid", primary = "raster", materials = "none";
+  std::string world, script, camera, out = "frames", size = "640x360", mode = "hybrid", primary = "raster",
+                                     materials = "none";
   bool tour = false;
   uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80;
   double seconds = 0;

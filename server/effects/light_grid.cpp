@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace helio::effects {
 namespace {
@@ -35,13 +36,14 @@ void finish(shared::LightCell& cell) {
 
 LightGrid makeLightGrid(std::span<const PlacedLight> lights) {
   LightGrid grid;
-  if (lights.empty()) return grid;
-  glm::vec2 low(lights[0].centre.x, lights[0].centre.z), high = low;
+  glm::vec2 low(std::numeric_limits<float>::infinity()), high = -low;
   for (const PlacedLight& light : lights) {
+    if (light.distant) continue;
     const glm::vec2 p(light.centre.x, light.centre.z);
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
+  if (!(low.x <= high.x)) return grid;
   low -= kLightRadius;
   high += kLightRadius;
   const glm::vec2 extent = high - low;
@@ -54,6 +56,10 @@ LightGrid makeLightGrid(std::span<const PlacedLight> lights) {
   // Enter each light in the cells around it. Inside of a cell's own half diagonal distance says nothing.
   const float nearest = 0.7f * cell;
   for (const PlacedLight& light : lights) {
+    if (light.distant) {
+      for (shared::LightCell& lit : grid.cells) insert(lit, light.slot, light.weight);
+      continue;
+    }
     const glm::vec2 p = (glm::vec2(light.centre.x, light.centre.z) - low) / cell;
     const float reach = kLightRadius / cell;
     const auto first = glm::uvec2(glm::max(glm::floor(p - reach), glm::vec2(0.0f)));

@@ -18,7 +18,8 @@ inline constexpr float kLightRadius = 72.0f;  ///< metres around a cell's centre
 struct PlacedLight {
   uint32_t slot;
   glm::vec3 centre;
-  float weight;  ///< power, > 0
+  float weight;          ///< power, > 0
+  bool distant = false;  ///< shines alike everywhere, `weight` is power over squared distance there; `centre` is unused
 };
 
 struct LightGrid {
@@ -28,7 +29,8 @@ struct LightGrid {
   std::vector<shared::LightCell> cells;  ///< row by row of z
 };
 
-/// Cells grow beyond 16 m where the lights are so far apart that there would be more than a million.
+/// Without lights in places there is no grid. Cells grow beyond 16 m where the lights are so far apart that there would
+/// be more than a million.
 LightGrid makeLightGrid(std::span<const PlacedLight> lights);
 
 }  // namespace helio::effects

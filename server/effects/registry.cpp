@@ -10,12 +10,14 @@ using scene::kNone;
 bool never(const scene::Material&) { return false; }
 bool never(const scene::Environment&) { return false; }
 bool never(const scene::Mesh&) { return false; }
+bool never(const scene::Scene&) { return false; }
 
 struct Row {
   const char* name;
   bool (*of_material)(const scene::Material&);
   bool (*of_environment)(const scene::Environment&);
   bool (*of_mesh)(const scene::Mesh&) = never;
+  bool (*of_scene)(const scene::Scene&) = never;
 };
 
 constexpr std::array<Row, kEffects> kTable{{
@@ -35,6 +37,7 @@ constexpr std::array<Row, kEffects> kTable{{
     {"specular", [](const scene::Material& m) { return m.hasOwnSpecular(); }, never},
     {"unlit", [](const scene::Material& m) { return m.unlit; }, never},
     {"alpha_masks", [](const scene::Material& m) { return m.masked(); }, never},
+    {"punctual_lights", never, never, never, [](const scene::Scene& s) { return !s.lights.empty(); }},
 }};
 
 }  // namespace
@@ -48,6 +51,8 @@ gpu::Specialisation specialisation(EffectSet set) {
 }
 
 Registry::Registry(const scene::Scene& scene) {
+  for (size_t i = 0; i < kEffects; ++i)
+    if (kTable[i].of_scene(scene)) always_.add(static_cast<Effect>(i));
   for (const scene::Prefab& prefab : scene.prefabs) {
     EffectSet set;
     const scene::Mesh& mesh = scene.meshes[prefab.mesh];
@@ -66,7 +71,7 @@ void Registry::place(uint32_t prefab, int64_t count) {
 }
 
 EffectSet Registry::present(const scene::Environment& environment) const {
-  EffectSet set;
+  EffectSet set = always_;
   for (size_t i = 0; i < kEffects; ++i)
     if (instances_[i] > 0 || kTable[i].of_environment(environment)) set.add(static_cast<Effect>(i));
   return set;

@@ -26,9 +26,10 @@ enum class Effect : uint32_t {
   vertex_colors,
   specular,
   unlit,
-  alpha_masks
+  alpha_masks,
+  punctual_lights
 };
-inline constexpr size_t kEffects = 11;
+inline constexpr size_t kEffects = 12;
 
 /// A set of effects as bits.
 struct EffectSet {
@@ -64,6 +65,7 @@ class Registry {
   uint64_t instances(Effect effect) const { return instances_[static_cast<size_t>(effect)]; }
 
  private:
+  EffectSet always_;  // what the scene calls for whatever is placed
   std::vector<EffectSet> by_prefab_;
   std::array<uint64_t, kEffects> instances_{};
 };

@@ -44,6 +44,7 @@ Result<void> check(const ViewSettings& settings) {
   if (auto r = inRange("settings.height", settings.height, 16u, 8192u); !r) return r;
   if (auto r = inRange("settings.bounces", settings.bounces, 0u, 32u); !r) return r;
   if (auto r = inRange("settings.samples", settings.samples, 1u, 64u); !r) return r;
+  if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
   return inRange("settings.exposure_ev", settings.exposure_ev, -16.0f, 16.0f);
 }
 

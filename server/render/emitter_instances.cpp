@@ -4,12 +4,17 @@
 
 #include "effects/emitters.h"
 #include "effects/light_grid.h"
+#include "effects/punctual.h"
 
 namespace helio::render {
 
 void EmitterInstances::upload(gpu::Commands& commands, const accel::InstanceTable& instances) {
-  std::vector<effects::PlacedLight> lights;
+  made_ = true;
+  std::vector<effects::PlacedLight> lights = effects::placedLights(punctual_);
+  const std::vector<shared::PunctualRecord> punctual = effects::punctualRecords(punctual_);
   std::vector<float> weights;
+  for (const effects::PlacedLight& light : lights)
+    weights.push_back(punctual[light.slot & ~shared::kPunctualLight].weight);
   for (uint32_t slot : instances.order()) {
     const float weight = instances.records()[slot].emitter_weight;
     if (!(weight > 0.0f)) continue;
@@ -28,6 +33,7 @@ void EmitterInstances::upload(gpu::Commands& commands, const accel::InstanceTabl
   std::vector<shared::EmitterInstance> entries(lights.size());
   for (size_t i = 0; i < lights.size(); ++i) entries[i] = {lights[i].slot, table.alias[i], table.keep[i]};
   store(commands, instances_, "the emissive instances", std::as_bytes(std::span(entries)));
+  store(commands, punctual_records_, "the punctual lights", std::as_bytes(std::span(punctual)));
   store(commands, cells_, "the light grid", std::as_bytes(std::span(grid.cells)));
 }
 
@@ -36,6 +42,7 @@ void EmitterInstances::describe(shared::FrameConstants& constants) const {
   constants.emitter_instance_count = count_;
   constants.emitter_weight_sum = weight_sum_;
   constants.light_cells = cells_.address();
+  constants.punctual_lights = punctual_records_.address();
   constants.light_grid_origin = grid_origin_;
   constants.light_grid_size = grid_size_;
   constants.light_cells_per_metre = cells_per_metre_;
@@ -43,6 +50,7 @@ void EmitterInstances::describe(shared::FrameConstants& constants) const {
 
 void EmitterInstances::store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name,
                              std::span<const std::byte> bytes) const {
+  if (bytes.empty()) return;
   if (buffer.size() < bytes.size()) {
     if (buffer) commands.retire(std::move(buffer));
     buffer = gpu::Buffer(device_, {name, bytes.size() + bytes.size() / 2, gpu::MemoryCategory::path_tracing});

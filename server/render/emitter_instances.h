@@ -1,4 +1,5 @@
-// The placed instances that shine, as tables to choose one from: among all by power, and by cell of the ground plane.
+// The placed instances that shine and the punctual lights, as tables to choose one from: among all by power, and by
+// cell of the ground plane.
 #pragma once
 
 #include "accel/instance_table.h"
@@ -9,21 +10,26 @@ namespace helio::render {
 
 class EmitterInstances {
  public:
-  explicit EmitterInstances(gpu::Device& device) : device_(device) {}
+  EmitterInstances(gpu::Device& device, const scene::Scene& scene) : device_(device), punctual_(scene.lights) {}
 
+  /// No tables were made yet.
+  bool empty() const { return !made_; }
   /// Rebuilds the tables from the instances that shine and records their upload.
   void upload(gpu::Commands& commands, const accel::InstanceTable& instances);
   /// Fills in what light sampling needs.
   void describe(shared::FrameConstants& constants) const;
-  uint64_t bytes() const { return instances_.size() + cells_.size(); }
+  uint64_t bytes() const { return instances_.size() + cells_.size() + punctual_records_.size(); }
 
  private:
   void store(gpu::Commands& commands, gpu::Buffer& buffer, const std::string& name,
              std::span<const std::byte> bytes) const;
 
   gpu::Device& device_;
+  const std::vector<scene::PunctualLight>& punctual_;
+  bool made_ = false;
   gpu::Buffer instances_;
   gpu::Buffer cells_;
+  gpu::Buffer punctual_records_;
   uint32_t count_ = 0;
   float weight_sum_ = 0.0f;
   glm::vec2 grid_origin_{0.0f};

@@ -25,8 +25,8 @@ void reportFaults(const shared::Faults& faults, uint32_t width, FrameStats& stat
     first_place = faults.places[kind];
     const uint32_t pixel = ~first_place >> shared::kFaultVertexBits;
     const uint32_t vertex = ~first_place & ((1u << shared::kFaultVertexBits) - 1u);
-    stats.first_fault = {passOf(kind), causeOf(kind), pixel % width, pixel / width, ~faults.first_sample, vertex,
-                         faults.seed};
+    stats.first_fault = {passOf(kind),         causeOf(kind), pixel % width, pixel / width,
+                         ~faults.first_sample, vertex,        faults.seed};
   }
 }
 

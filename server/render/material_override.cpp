@@ -5,9 +5,17 @@
 namespace helio::render {
 
 const std::vector<std::string>& materialOverrideNames() {
-  static const std::vector<std::string> names{
-      "none",    "lambert",           "white",               "albedo",    "roughness_metallic", "emission",
-      "normals", "geometric_normals", "texture_coordinates", "instances", "materials"};
+  static const std::vector<std::string> names{"none",
+                                              "lambert",
+                                              "white",
+                                              "albedo",
+                                              "roughness_metallic",
+                                              "emission",
+                                              "normals",
+                                              "geometric_normals",
+                                              "texture_coordinates",
+                                              "instances",
+                                              "materials"};
   return names;
 }
 

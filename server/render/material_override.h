@@ -1,5 +1,5 @@
-// What a viewer may put in the place of all materials. Numbers as in shaders/shared/material_override.h, which says what
-// each shows, and as in the protocol.
+// What a viewer may put in the place of all materials. Numbers as in shaders/shared/material_override.h, which says
+// what each shows, and as in the protocol.
 #pragma once
 
 #include <optional>

@@ -36,8 +36,15 @@ struct ViewSettings {
   uint32_t samples = 1;  ///< paths a pixel a tick, [1, 64]
   bool roulette = true;  ///< Russian roulette (unbiased)
   Sampler sampler = Sampler::low_discrepancy;
+  bool light_sampling = true;  ///< next event estimation (unbiased); punctual lights are sampled without it too
+  bool mis = true;             ///< multiple importance sampling of lights and BSDF (unbiased); off: lights alone
+  bool sky_sampling = false;   ///< light sampling looks for the sky too (unbiased)
+  bool round_surfaces = true;  ///< rays leave from the surface that vertex normals tell of, against faceted shadows
+  bool multiple_scattering = false;  ///< GGX lobes keep the light that they scatter more than once
+  float regularisation = 0.0f;       ///< least perceptual roughness after a rough scattering, [0, 1]; biased, so not
+                                     ///< in reference mode
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
-  bool accumulate = true;  ///< average over ticks while camera and world stand still
+  bool accumulate = true;                               ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
   bool keep_radiance = false;  ///< also hand out linear radiance (shot, fidelity, tests)
@@ -84,10 +91,10 @@ struct DroppedSamples {
 struct FaultPlace {
   std::string pass;
   std::string cause;
-  uint32_t x = 0, y = 0;       ///< pixel
-  uint32_t sample = 0;         ///< among those that are averaged
-  uint32_t vertex = 0;         ///< of the path, the camera's aside
-  uint32_t seed = 0;           ///< of the samples that are averaged
+  uint32_t x = 0, y = 0;  ///< pixel
+  uint32_t sample = 0;    ///< among those that are averaged
+  uint32_t vertex = 0;    ///< of the path, the camera's aside
+  uint32_t seed = 0;      ///< of the samples that are averaged
 };
 
 struct FrameStats {
@@ -99,10 +106,10 @@ struct FrameStats {
   std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
   std::vector<EffectCost> effects;  ///< present ones only
   Rays rays;
-  uint64_t nonfinite = 0;    ///< samples dropped because they were not finite, or negative
-  std::vector<DroppedSamples> dropped;       ///< the same by pass and cause, kinds that there were
-  std::optional<FaultPlace> first_fault;     ///< set when nonfinite > 0
-  uint32_t accumulated = 1;  ///< samples a pixel behind this picture
+  uint64_t nonfinite = 0;                 ///< samples dropped because they were not finite, or negative
+  std::vector<DroppedSamples> dropped;    ///< the same by pass and cause, kinds that there were
+  std::optional<FaultPlace> first_fault;  ///< set when nonfinite > 0
+  uint32_t accumulated = 1;               ///< samples a pixel behind this picture
   uint32_t tlas_instances = 0;
   uint64_t triangles_drawn = 0;  ///< rasterised
   double exposure = 1.0;         ///< factor on radiance
@@ -160,7 +167,7 @@ struct RendererOptions {
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
   bool validation = false;         ///< Khronos validation layer: errors are logged and counted
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
-  bool strict_numerics = false;    ///< a sample that is dropped makes its tick fail (internal), and the error says where
+  bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 
 /// Errors: no Vulkan, no such device, no ray tracing pipelines: each says what to do.

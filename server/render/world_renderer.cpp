@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "effects/ggx_albedo.h"
 #include "render/camera_frame.h"
 #include "render/faults.h"
 
@@ -14,6 +15,13 @@ constexpr float kNearPlane = 1e-4f;  // metres; reversed float depth loses nothi
 
 /// Passes that measure rather than make the picture.
 bool isMeasurement(const std::string& pass) { return pass == "log_rays" || pass == "bare_trace"; }
+
+bool shines(const scene::Sky& sky) { return sky.zenith != glm::vec3(0.0f) || sky.ground != glm::vec3(0.0f); }
+
+/// Something that light sampling chooses among.
+bool hasLamps(effects::EffectSet effects) {
+  return effects.has(effects::Effect::emissive_triangles) || effects.has(effects::Effect::punctual_lights);
+}
 
 bool usesRaster(const ViewSettings& settings) {
   return settings.mode == Mode::hybrid && settings.primary == Primary::raster;
@@ -36,7 +44,7 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       resources_(*device_, commands_, *scene_),
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
       tlas_(*device_),
-      emitters_(*device_),
+      emitters_(*device_, *scene_),
       paths_(*device_),
       registry_(*scene_),
       environment_(scene_->environment) {
@@ -102,6 +110,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   } catch (const gpu::Failure&) {
     // What was recorded never ran: the next tick brings all of it again.
     instances_.forget();
+    ggx_albedo_ = {};
     for (const auto& [handle, view] : views_) view->forget();
     throw;
   }
@@ -137,7 +146,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
     instances_.upload(commands);
     tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));
   });
-  if (instances_.emittersDirty() && effects_.has(effects::Effect::emissive_triangles))
+  if ((instances_.emittersDirty() || emitters_.empty()) && hasLamps(effects_))
     graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}},
               [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
   graph.add("assemble", Graph::kShared, {{&instances_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
@@ -191,7 +200,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   }
 }
 
-void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
+void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   const ViewSettings& settings = view.settings();
   const CameraFrame camera = cameraFrame(view.camera());
   shared::FrameConstants c{};
@@ -217,7 +226,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   c.geometries = resources_.geometries();
   c.materials = resources_.materials();
   c.emitter_triangles = resources_.emitterTriangles();
-  if (effects_.has(effects::Effect::emissive_triangles)) emitters_.describe(c);
+  if (hasLamps(effects_)) emitters_.describe(c);
 
   // A disc of half angle a and radiance L gives the irradiance L pi sin^2 a. 1 - cos a = 2 sin^2(a / 2) keeps its
   // digits.
@@ -236,6 +245,12 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   }
   c.roulette = settings.roulette;
   c.independent_samples = settings.sampler == Sampler::independent;
+  c.light_sampling = settings.light_sampling;
+  c.mis = settings.mis;
+  c.sky_sampling = settings.light_sampling && settings.sky_sampling && shines(environment_.sky);
+  c.round_surfaces = settings.round_surfaces;
+  if (settings.mode == Mode::hybrid) c.least_alpha = settings.regularisation * settings.regularisation;
+  if (settings.multiple_scattering) c.ggx_albedo = ggxAlbedo(commands);
   // A reference image must not depend on the frames before it.
   const bool reference = settings.mode == Mode::reference;
   c.roulette_exposure = reference || !(view.lastExposure() > 0.0f) ? 1.0f : view.lastExposure();
@@ -254,6 +269,15 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) const {
   constexpr uint64_t kCounters = offsetof(shared::ViewState, bounce_rays);
   const std::vector<std::byte> zeros(sizeof(shared::ViewState) - kCounters);
   commands.upload(view.state, kCounters, zeros);
+}
+
+VkDeviceAddress WorldRenderer::ggxAlbedo(gpu::Commands& commands) {
+  if (!ggx_albedo_) {
+    const shared::GgxAlbedo table = effects::ggxAlbedo();
+    ggx_albedo_ = gpu::Buffer(*device_, {"the GGX albedo", sizeof table, gpu::MemoryCategory::path_tracing});
+    commands.upload<shared::GgxAlbedo>(ggx_albedo_, 0, std::span(&table, 1));
+  }
+  return ggx_albedo_.address();
 }
 
 Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work,

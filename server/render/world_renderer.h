@@ -37,7 +37,9 @@ class WorldRenderer {
   std::vector<Frame> render(const world::ChangeSet& changes, std::span<const ViewRequest> requests, bool scene_changed);
   void addWorldPasses(Graph& graph);
   void addViewPasses(Graph& graph, Work& work);
-  void uploadConstants(gpu::Commands& commands, View& view) const;
+  void uploadConstants(gpu::Commands& commands, View& view);
+  /// The table of multiple scattering, made for the first view that asks for it.
+  VkDeviceAddress ggxAlbedo(gpu::Commands& commands);
   Frame finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work,
                    const world::ChangeSet& changes);
   std::vector<EffectCost> effectCosts(const std::vector<PassTime>& passes) const;
@@ -51,6 +53,7 @@ class WorldRenderer {
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;
   PathQueue paths_;
+  gpu::Buffer ggx_albedo_;
   effects::Registry registry_;
   effects::EffectSet effects_;
   scene::Environment environment_;

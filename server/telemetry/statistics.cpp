@@ -28,9 +28,9 @@ void ViewerCounters::count(const Stages& stages, uint32_t dropped_before, uint64
 
 void ViewerCounters::countDropped(const std::vector<render::DroppedSamples>& of_frame) {
   for (const render::DroppedSamples& more : of_frame) {
-    const auto known =
-        std::find_if(dropped_samples.begin(), dropped_samples.end(),
-                     [&](const auto& kind) { return kind.pass == more.pass && kind.cause == more.cause; });
+    const auto known = std::find_if(dropped_samples.begin(), dropped_samples.end(), [&](const auto& kind) {
+      return kind.pass == more.pass && kind.cause == more.cause;
+    });
     if (known == dropped_samples.end()) dropped_samples.push_back(more);
     else known->samples += more.samples;
   }

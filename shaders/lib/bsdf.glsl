@@ -20,6 +20,7 @@ struct Bsdf {
   bool tinted;    // false without kSpecular
   bool specular;  // has the GGX lobe at all
   bool mirror;    // the lobe is a delta
+  vec3 compensation;  // factor on the GGX lobe; 1: single scattering
 };
 
 struct BsdfSample {
@@ -46,8 +47,19 @@ Bsdf makeBsdf(vec3 base, float metallic, float roughness, bool lambert, Dielectr
   b.tinted = dielectric.tinted;
   b.alpha = max(roughness * roughness, kMirrors ? 0.0 : kMirrorAlpha);
   b.mirror = kMirrors && b.specular && b.alpha < kMirrorAlpha;
+  b.compensation = vec3(1.0);
   return b;
 }
+
+// Path-space regularisation: no lobe is narrower than `alpha`. Biased [Kaplanyan and Dachsbacher 2013].
+void regularise(inout Bsdf b, float alpha) {
+  b.alpha = max(b.alpha, alpha);
+  b.mirror = b.mirror && b.alpha < kMirrorAlpha;
+}
+
+// Factor that gives a GGX lobe back what it loses by scattering only once; `albedo`: what a lobe of reflectance 1 keeps, seen
+// from the same direction [Turquin 2019, Practical multiple scattering compensation for microfacet models, eq. 16].
+vec3 compensation(Bsdf b, float albedo) { return b.mirror ? vec3(1.0) : 1.0 + b.f0 * ((1.0 - albedo) / albedo); }
 
 vec3 fresnel(Bsdf b, float cos_theta) {
   const float f90 = kSpecular ? b.f90 : 1.0;
@@ -112,7 +124,7 @@ vec3 evaluateBsdf(Bsdf b, vec3 wo, vec3 wi, out float pdf) {
   pdf = (1.0 - p) * diffuse_pdf;
   if (!b.mirror) {
     const float d = ggxD(h, b.alpha);
-    value += f * (d * smithG2(wo, wi, b.alpha) / (4.0 * wo.z));
+    value += b.compensation * f * (d * smithG2(wo, wi, b.alpha) / (4.0 * wo.z));
     pdf += p * (d * smithG1(wo, b.alpha) / (4.0 * wo.z));
   }
   return value;

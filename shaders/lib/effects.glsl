@@ -15,6 +15,7 @@ layout(constant_id = 7) const bool kVertexColors = true;
 layout(constant_id = 8) const bool kSpecular = true;
 layout(constant_id = 9) const bool kUnlit = true;
 layout(constant_id = 10) const bool kAlphaMasks = true;
+layout(constant_id = 11) const bool kPunctualLights = true;
 
 // What stands in the place of all materials: shared/material_override.h.
 layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;

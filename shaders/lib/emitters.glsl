@@ -1,5 +1,5 @@
-// Sampling of emissive triangles: an instance (lib/lights.glsl), then a triangle in proportion to its power among the mesh's
-// (alias method [Walker 1977]), then a point by area.
+// Sampling of lamps: a punctual light or an emissive instance is chosen by lib/lights.glsl; of an instance then a triangle in
+// proportion to its power among the mesh's (alias method [Walker 1977]), then a point by area.
 #ifndef HELIO_EMITTERS_GLSL
 #define HELIO_EMITTERS_GLSL
 #include "lib/cut_out.glsl"
@@ -16,11 +16,10 @@ struct EmitterSample {
   float pdf_area;   // per square metre; 0: no sample
 };
 
-// As seen from `p`; `select` in [0, 1)^3 chooses the instance, `u` in [0, 1)^2 the triangle and the point.
-EmitterSample sampleEmitter(vec3 p, vec3 select, vec2 u) {
+// Of the instance that was selected as seen from `p`; `u` in [0, 1)^2 chooses the triangle and the point.
+EmitterSample sampleEmitter(uint slot, vec3 p, vec2 u) {
   EmitterSample s;
   s.pdf_area = 0.0;
-  const uint slot = selectEmitter(p, select);
   const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
   // What is left of u.x after each choice is uniform again: so a well spread u spreads well over a lamp of many triangles.
@@ -55,6 +54,38 @@ EmitterSample sampleEmitter(vec3 p, vec3 select, vec2 u) {
     AttributeTable attributes = AttributeTable(t.geometry.attributes);
     const vec2 uv = attributes.items[t.vertices.x].uv * w.x + attributes.items[t.vertices.y].uv * w.y + attributes.items[t.vertices.z].uv * w.z;
     s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], uv, 0.0).rgb;
+  }
+  return s;
+}
+
+struct PunctualSample {
+  vec3 direction;     // unit, towards the light
+  float distance;
+  vec3 irradiance;    // of what faces it
+  float probability;  // with which it was chosen
+};
+
+// The punctual light that was selected as seen from `p`. Its light falls with the squared distance, faded out towards its
+// range [KHR_lights_punctual].
+PunctualSample samplePunctual(uint slot, vec3 p) {
+  const PunctualRecord light = PunctualTable(frame.punctual_lights).items[slot & ~kPunctualLight];
+  PunctualSample s;
+  s.probability = emitterProbability(p, slot, light.weight);
+  if (light.type == kLightDirectional) {
+    s.direction = light.position;
+    s.distance = kFar;
+    s.irradiance = light.intensity;
+    return s;
+  }
+  const vec3 to_light = light.position - p;
+  const float distance2 = max(dot(to_light, to_light), 1e-12);
+  s.distance = sqrt(distance2);
+  s.direction = to_light / s.distance;
+  const float reached = s.distance * light.inverse_range, reached2 = reached * reached;
+  s.irradiance = light.intensity * (clamp(1.0 - reached2 * reached2, 0.0, 1.0) / distance2);
+  if (light.type == kLightSpot) {
+    const float cone = clamp(dot(light.direction, -s.direction) * light.cone_scale + light.cone_offset, 0.0, 1.0);
+    s.irradiance *= cone * cone;
   }
   return s;
 }

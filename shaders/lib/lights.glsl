@@ -1,5 +1,6 @@
-// Which emissive instance to sample from a point: mostly one of those that matter to the point's cell, sometimes any of the
-// world's in proportion to power, so that the estimate stays unbiased wherever light can come from.
+// Which lamp, an emissive instance or a punctual light, to sample from a point: mostly one of those that matter to the
+// point's cell, sometimes any of the world's in proportion to power, so that the estimate stays unbiased wherever light can
+// come from.
 #ifndef HELIO_LIGHTS_GLSL
 #define HELIO_LIGHTS_GLSL
 #include "lib/tables.glsl"
@@ -36,7 +37,7 @@ float emitterProbability(vec3 p, uint slot, float weight) {
   return mix(local, global, kGlobalShare);
 }
 
-// Chooses an instance; u in [0, 1)^3.
+// Chooses a lamp: the slot of an instance, or kPunctualLight and an index; u in [0, 1)^3.
 uint selectEmitter(vec3 p, vec3 u) {
   const uint index = lightCellOf(p);
   LightCellTable cells = LightCellTable(frame.light_cells);

@@ -3,6 +3,7 @@
 
 const float kPi = 3.14159265358979;
 const float kInvPi = 0.318309886183791;
+const float kFar = 1e30;  // beyond all surfaces
 
 float luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 float maxComponent(vec3 c) { return max(c.x, max(c.y, c.z)); }

@@ -27,4 +27,28 @@ vec3 sampleSun(vec2 u) {
   return normalize(basis(frame.sun_to) * vec3(sin_theta * cos(phi), sin_theta * sin(phi), 1.0 - one_minus_cos));
 }
 
+// Density over the whole sphere in proportion to the sky's luminance.
+float wholeSkyPdf(vec3 direction) {
+  const float ground = luminance(frame.sky_ground), zenith = luminance(frame.sky_zenith);
+  return ground + zenith > 0.0 ? luminance(skyRadiance(direction)) / (2.0 * kPi * (ground + zenith)) : 0.0;
+}
+
+// Density of sampleSky, per steradian.
+float skyPdf(vec3 direction, vec3 normal) {
+  const float below = dot(direction, normal);
+  return below > 0.0 ? wholeSkyPdf(direction) + wholeSkyPdf(direction - 2.0 * below * normal) : 0.0;
+}
+
+// A direction above the plane of `normal`: one from the whole sky in proportion to its luminance, turned up at the plane if
+// need be. u in [0, 1)^2.
+vec3 sampleSky(vec2 u, vec3 normal) {
+  // The luminance is linear in t = 0.5 + 0.5 y, and t of a uniform direction is uniform: invert the CDF, a quadratic.
+  const float ground = luminance(frame.sky_ground), zenith = luminance(frame.sky_zenith);
+  const float t = u.x * (ground + zenith) / (ground + sqrt(mix(ground * ground, zenith * zenith, u.x)));
+  const float y = clamp(2.0 * t - 1.0, -1.0, 1.0), r = sqrt(1.0 - y * y), phi = 2.0 * kPi * u.y;
+  const vec3 direction = vec3(r * cos(phi), y, r * sin(phi));
+  const float below = dot(direction, normal);
+  return below < 0.0 ? direction - 2.0 * below * normal : direction;
+}
+
 #endif

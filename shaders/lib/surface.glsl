@@ -23,6 +23,8 @@ struct Surface {
   vec3 position;
   vec3 geometric_normal;  // unit, on the side of the viewer
   float reach;            // largest coordinate of its triangle, for offsetOrigin
+  vec3 rounding;          // from `position` to the round surface that the vertex normals tell of, on the side of the viewer
+  bool rounded;           // it is not 0
   mat3 frame_;            // columns: tangent, bitangent, shading normal; on the side of the viewer
   vec3 emission;
   Bsdf bsdf;
@@ -102,6 +104,26 @@ vec4 readTexture(uint texture_index, TexturePoint p) {
   return textureLod(textures[nonuniformEXT(texture_index)], p.uv, lod);
 }
 
+// From the point with weights `w` of a triangle to the surface through its vertices that its normals tell of, where that is
+// convex: rays that leave from there do not meet its flat neighbours at grazing angles [Hanika 2021, Ray Tracing Gems II,
+// ch. 4]. The normals point to the side of the viewer.
+vec3 roundingOf(Triangle t, vec3 w, vec3 p, vec3 normals[3]) {
+  vec3 rounding = vec3(0.0);
+  for (int i = 0; i < 3; ++i) rounding += (w[i] * max(0.0, dot(t.p[i] - p, normals[i]))) * normals[i];
+  return rounding;
+}
+
+// Share of its light that a GGX lobe of reflectance 1 scatters once: from the table, bilinear.
+float ggxAlbedo(float cos_theta, float alpha) {
+  const vec2 p = clamp(vec2(cos_theta, sqrt(alpha)), 0.0, 1.0) * vec2(kGgxAlbedoCosines - 1u, kGgxAlbedoAlphas - 1u);
+  const uvec2 i = min(uvec2(p), uvec2(kGgxAlbedoCosines - 2u, kGgxAlbedoAlphas - 2u));
+  const vec2 f = p - vec2(i);
+  const uint row = i.y * kGgxAlbedoCosines + i.x, above = row + kGgxAlbedoCosines;
+  GgxAlbedoRef table = GgxAlbedoRef(frame.ggx_albedo);
+  return mix(mix(table.albedo.share[row], table.albedo.share[row + 1u], f.x),
+             mix(table.albedo.share[above], table.albedo.share[above + 1u], f.x), f.y);
+}
+
 vec3 vertexColor(Triangle t, vec3 w) {
   if (t.geometry.extras == 0ul) return vec3(1.0);
   const uint64_t address = VertexExtrasRef(t.geometry.extras).extras.colors;
@@ -153,6 +175,16 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   const float normal_length = length(normal);
   normal = normal_length > 1e-20 ? normal / normal_length : s.geometric_normal;
   const bool from_behind = dot(normal, s.geometric_normal) < 0.0;
+  s.rounding = vec3(0.0);
+  if (frame.round_surfaces != 0u && (a0.normal != a1.normal || a0.normal != a2.normal)) {
+    vec3 normals[3] = vec3[3](octahedral(a0.normal), octahedral(a1.normal), octahedral(a2.normal));
+    for (int i = 0; i < 3; ++i) {
+      const vec3 n = normalToWorld(instance, normals[i]);
+      normals[i] = n * ((from_behind ? -1.0 : 1.0) / max(1e-20, length(n)));
+    }
+    s.rounding = roundingOf(t, w, s.position, normals);
+  }
+  s.rounded = dot(s.rounding, s.rounding) > 0.0;
 
   vec4 base = material.base_color;
   float metallic = material.metallic, roughness = material.roughness;

@@ -11,6 +11,8 @@ layout(buffer_reference, scalar) readonly buffer GeometryTable { GeometryRecord 
 layout(buffer_reference, scalar) readonly buffer MaterialTable { MaterialRecord items[]; };
 layout(buffer_reference, scalar) readonly buffer EmitterInstanceTable { EmitterInstance items[]; };
 layout(buffer_reference, scalar) readonly buffer EmitterTriangleTable { EmitterTriangle items[]; };
+layout(buffer_reference, scalar) readonly buffer PunctualTable { PunctualRecord items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GgxAlbedoRef { GgxAlbedo albedo; };
 layout(buffer_reference, scalar) readonly buffer LightCellTable { LightCell items[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SpecularRef { SpecularRecord specular; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VertexExtrasRef { VertexExtras extras; };

@@ -8,7 +8,6 @@ layout(location = 1) rayPayloadEXT uint visible_payload;
 
 const uint kMissSurface = 0;
 const uint kMissShadow = 1;
-const float kFar = 1e30;
 // Where nothing is cut out no ray need ask.
 const uint kOpaque = kAlphaMasks ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
 

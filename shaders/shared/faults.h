@@ -19,7 +19,8 @@ HELIO_CONSTANT kNoFault = 3u;
 HELIO_CONSTANT kFaultKinds = 9u;  // pass * kFaultCauses + cause
 HELIO_CONSTANT kFaultVertexBits = 6u;
 
-// Of one tick; all zero: nothing was dropped. What says where is inverted, so that the least place has the largest value.
+// Of one tick; all zero: nothing was dropped. What says where is inverted, so that the least place has the largest
+// value.
 struct Faults {
   uint counts[kFaultKinds];
   uint first_sample;         // ~SampleConstants.sample_index of the first sample with a fault

@@ -34,6 +34,7 @@ struct FrameConstants {
   float light_cells_per_metre;
   uint emitter_instance_count;
   float emitter_weight_sum;
+  uint64_t punctual_lights;  // PunctualRecord
 
   // Sun and sky. `sun_to` points towards the sun.
   vec3 sun_to;
@@ -47,6 +48,12 @@ struct FrameConstants {
   uint roulette;         // 0 or 1
   float roulette_exposure;
   uint independent_samples;  // 1: random numbers instead of the low-discrepancy sequence
+  uint light_sampling;       // 0: lights are only met by scattered rays (punctual lights are sampled all the same)
+  uint mis;                  // 0: light that both could find counts for light sampling alone
+  uint sky_sampling;         // 1: light sampling looks for the sky too
+  uint round_surfaces;       // 1: rays leave from the surface that the vertex normals tell of [Hanika 2021]
+  float least_alpha;         // of GGX lobes once a path has scattered roughly
+  uint64_t ggx_albedo;       // GgxAlbedo; 0: single scattering
 
   // Images of the bindless set, and buffers.
   uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit
@@ -63,6 +70,14 @@ struct FrameConstants {
 };
 
 HELIO_CONSTANT kNothing = 0xffffffffu;
+
+// Share of light that a GGX lobe of reflectance 1 reflects in one scattering, along cos(theta) first, from 0 to 1 each
+// way.
+HELIO_CONSTANT kGgxAlbedoCosines = 64u;
+HELIO_CONSTANT kGgxAlbedoAlphas = 32u;  // by perceptual roughness
+struct GgxAlbedo {
+  float share[kGgxAlbedoCosines * kGgxAlbedoAlphas];
+};
 HELIO_CONSTANT kHistogramBins = 256u;
 
 // What a view keeps from tick to tick, and what the CPU reads back.

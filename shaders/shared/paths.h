@@ -10,6 +10,7 @@ HELIO_SHARED_BEGIN
 struct PathState {
   vec3 origin;
   float bsdf_pdf;  // of `direction`; 0 after mirrors
+  float sky_pdf;   // with which light sampling of the sky finds `direction`; 0: it does not look
   vec3 direction;
   float cone_width;
   vec3 throughput;
@@ -35,7 +36,8 @@ HELIO_CONSTANT kPathGroup = 256u;  // threads of a group of compact_paths.comp
 // In path_info, until the ray is traced.
 HELIO_CONSTANT kPathGoesOn = 0x80000000u;
 HELIO_CONSTANT kPathShadow = 0x40000000u;
-HELIO_CONSTANT kPathWaits = 0xc0000000u;  // either
+HELIO_CONSTANT kPathWaits = 0xc0000000u;      // either
+HELIO_CONSTANT kPathRoughened = 0x20000000u;  // it has scattered at a diffuse or rough surface
 
 HELIO_SHARED_END
 #endif

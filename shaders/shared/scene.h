@@ -97,9 +97,29 @@ struct InstanceRecord {
 
 // Entry of a table for Walker's alias method: take `index` itself with probability `keep`, else `alias`.
 struct EmitterInstance {
-  uint slot;
+  uint slot;  // or kPunctualLight and an index
   uint alias;
   float keep;
+};
+
+// In the place of an instance's slot: what is left is an index of the table of punctual lights.
+HELIO_CONSTANT kPunctualLight = 0x80000000u;
+
+HELIO_CONSTANT kLightDirectional = 0u;
+HELIO_CONSTANT kLightPoint = 1u;
+HELIO_CONSTANT kLightSpot = 2u;
+
+// A light without extent [KHR_lights_punctual].
+struct PunctualRecord {
+  vec3 position;        // directional: the direction towards it
+  uint type;            // kLight...
+  vec3 direction;       // unit, the way light travels
+  float inverse_range;  // 0: unlimited
+  vec3 intensity;       // W/sr; directional: W/m^2
+  float weight;         // as InstanceRecord.emitter_weight
+  // A spot's share at an angle with cosine c: clamp(c cone_scale + cone_offset, 0, 1)^2.
+  float cone_scale;
+  float cone_offset;
 };
 
 // The emissive instances that matter most to one cell of the ground plane, by power over squared distance. `cdf` ends

@@ -112,7 +112,7 @@ void addRows(Table& table, const StabilityCase& c) {
   for (const StabilityPoint& point : c.points)
     for (const StabilityResult& r : point.results)
       table.add({c.name, number(point.value), r.way, grouped(r.nonfinite_samples), grouped(r.broken_texels),
-                 r.error         ? number(*r.error)
+                 r.error        ? number(*r.error)
                  : r.similarity ? "SSIM " + fixed(*r.similarity, 4)
                                 : "",
                  number(r.energy_error), number(r.worst_texel), r.holds() ? "yes" : "NO"});
@@ -149,8 +149,8 @@ Result<void> measureAll(const StabilityOptions& options, const std::string& comm
   for (const StabilityCase& c : cases)
     if (!c.holds()) failed += (failed.empty() ? "" : ", ") + c.name;
   if (!failed.empty())
-    return Error{ErrorKind::internal, "does not hold: " + failed + "; " + options.out + "/stability.html shows how",
-                 {}, {}, {}};
+    return Error{
+        ErrorKind::internal, "does not hold: " + failed + "; " + options.out + "/stability.html shows how", {}, {}, {}};
   return {};
 }
 

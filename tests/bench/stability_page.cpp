@@ -41,12 +41,15 @@ std::string shown(double value) {
 }
 
 std::string difficulty(const StabilityCase& c, size_t i) {
-  return c.variants ? "kind " + std::to_string(i) : i == 0 ? "1×" : "10" + std::string(i > 1 ? "<sup>" + std::to_string(i) + "</sup>" : "") + "×";
+  return c.variants ? "kind " + std::to_string(i)
+         : i == 0   ? "1×"
+                    : "10" + std::string(i > 1 ? "<sup>" + std::to_string(i) + "</sup>" : "") + "×";
 }
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& kind) {
   char text[160];
-  std::snprintf(text, sizeof text, "<line class='%s' x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f'/>", kind.c_str(), x1, y1, x2, y2);
+  std::snprintf(text, sizeof text, "<line class='%s' x1='%.1f' y1='%.1f' x2='%.1f' y2='%.1f'/>", kind.c_str(), x1, y1,
+                x2, y2);
   return text;
 }
 
@@ -65,10 +68,12 @@ std::string plot(const StabilityCase& c) {
     const double decade = std::clamp(std::log10(std::max(error, 1e-30)), kLowest, kHighest);
     return kTop + (kHeight - kTop - kBottom) * (kHighest - decade) / (kHighest - kLowest);
   };
-  std::string svg = "<svg width='" + shown(kWidth) + "' height='" + shown(kHeight) + "' role='img' aria-label='error against difficulty'>";
+  std::string svg = "<svg width='" + shown(kWidth) + "' height='" + shown(kHeight) +
+                    "' role='img' aria-label='error against difficulty'>";
   for (int decade = static_cast<int>(kLowest); decade <= static_cast<int>(kHighest); decade += 2) {
     const double at = y(std::pow(10.0, decade));
-    svg += line(kLeft, at, kWidth - kRight, at, "grid") + label(kLeft - 4, at + 3, "end", "1e" + std::to_string(decade));
+    svg +=
+        line(kLeft, at, kWidth - kRight, at, "grid") + label(kLeft - 4, at + 3, "end", "1e" + std::to_string(decade));
   }
   svg += line(kLeft, y(kLimit), kWidth - kRight, y(kLimit), "limit");
   for (size_t i = 0; i < c.points.size(); ++i) svg += label(x(i), kHeight - 8, "middle", shown(c.points[i].value));
@@ -79,11 +84,13 @@ std::string plot(const StabilityCase& c) {
       char at[96];
       std::snprintf(at, sizeof at, "%.1f,%.1f ", x(i), y(result.badness()));
       points += at;
-      std::snprintf(at, sizeof at, "<circle cx='%.1f' cy='%.1f' r='%s' fill='", x(i), y(result.badness()), result.holds() ? "2.5" : "5");
+      std::snprintf(at, sizeof at, "<circle cx='%.1f' cy='%.1f' r='%s' fill='", x(i), y(result.badness()),
+                    result.holds() ? "2.5" : "5");
       marks += at + std::string(result.holds() ? kColours[way % 3] : "#c0392b") + "'/>";
     }
     if (!c.variants)
-      svg += "<polyline fill='none' stroke-width='1.5' stroke='" + std::string(kColours[way % 3]) + "' points='" + points + "'/>";
+      svg += "<polyline fill='none' stroke-width='1.5' stroke='" + std::string(kColours[way % 3]) + "' points='" +
+             points + "'/>";
     svg += marks;
   }
   return svg + "</svg>";
@@ -94,7 +101,8 @@ std::string pictures(const StabilityCase& c) {
   for (const StabilityPoint& point : c.points) html += "<th>" + shown(point.value) + "</th>";
   html += "</tr>";
   for (size_t way = 0; way < c.points.front().results.size(); ++way) {
-    html += "<tr><td style='color:" + std::string(kColours[way % 3]) + "'>" + escaped(c.points.front().results[way].way) + "</td>";
+    html += "<tr><td style='color:" + std::string(kColours[way % 3]) + "'>" +
+            escaped(c.points.front().results[way].way) + "</td>";
     for (const StabilityPoint& point : c.points)
       html += "<td><img alt='' src='data:image/png;base64," + absl::Base64Escape(point.results[way].png) + "'></td>";
     html += "</tr>";
@@ -103,11 +111,13 @@ std::string pictures(const StabilityCase& c) {
 }
 
 std::string section(const StabilityCase& c) {
-  std::string html = "<section id='" + c.name + "'><header><h2>" + escaped(c.name) + "</h2><p>" + escaped(c.parameter) + "</p>";
+  std::string html =
+      "<section id='" + c.name + "'><header><h2>" + escaped(c.name) + "</h2><p>" + escaped(c.parameter) + "</p>";
   for (const StabilityPoint& point : c.points)
     for (const StabilityResult& result : point.results)
       for (const std::string& what : result.broken)
-        html += "<p><span class='bad'>" + shown(point.value) + ", " + escaped(result.way) + "</span> " + escaped(what) + "</p>";
+        html += "<p><span class='bad'>" + shown(point.value) + ", " + escaped(result.way) + "</span> " + escaped(what) +
+                "</p>";
   return html + "</header>" + plot(c) + "<div>" + pictures(c) + "</div></section>";
 }
 
@@ -116,7 +126,8 @@ std::string cell(const StabilityPoint& point) {
   const auto worst = std::max_element(point.results.begin(), point.results.end(), [](const auto& a, const auto& b) {
     return std::pair(!a.holds(), a.badness()) < std::pair(!b.holds(), b.badness());
   });
-  return std::string("<td><span class='") + (worst->holds() ? "good" : "bad") + "'>" + shown(worst->badness()) + "</span></td>";
+  return std::string("<td><span class='") + (worst->holds() ? "good" : "bad") + "'>" + shown(worst->badness()) +
+         "</span></td>";
 }
 
 std::string overview(const std::vector<StabilityCase>& cases) {
@@ -147,13 +158,14 @@ bool StabilityCase::holds() const {
 
 std::string stabilityPage(const Provenance& origin, const std::vector<StabilityCase>& cases) {
   const auto held = std::count_if(cases.begin(), cases.end(), [](const StabilityCase& c) { return c.holds(); });
-  std::string html = "<!doctype html><html lang='en'><meta charset='utf-8'><title>Hard cases</title><style>" + std::string(kStyle) +
-                     "</style><h1>Hard cases</h1><p>" + std::to_string(held) + " of " + std::to_string(cases.size()) +
-                     " cases hold. " + escaped(origin.device.name) + ", " + origin.date + "<br><code>" + escaped(origin.command) +
-                     "</code></p><p>The table and the plots show the error of the mean against the truth, relative; where the truth "
-                     "is not known, how unlike the picture is to its twin's (1 − SSIM), or the energy gained. The dashed line is 1 %. "
-                     "Pictures: reference, hybrid with traced and with rasterised primary hits, from the easiest to the hardest.</p>" +
-                     overview(cases);
+  std::string html =
+      "<!doctype html><html lang='en'><meta charset='utf-8'><title>Hard cases</title><style>" + std::string(kStyle) +
+      "</style><h1>Hard cases</h1><p>" + std::to_string(held) + " of " + std::to_string(cases.size()) +
+      " cases hold. " + escaped(origin.device.name) + ", " + origin.date + "<br><code>" + escaped(origin.command) +
+      "</code></p><p>The table and the plots show the error of the mean against the truth, relative; where the truth "
+      "is not known, how unlike the picture is to its twin's (1 − SSIM), or the energy gained. The dashed line is 1 %. "
+      "Pictures: reference, hybrid with traced and with rasterised primary hits, from the easiest to the hardest.</p>" +
+      overview(cases);
   for (const StabilityCase& c : cases) html += section(c);
   return html + "</html>\n";
 }

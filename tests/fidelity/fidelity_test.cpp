@@ -49,8 +49,8 @@ TEST_P(FidelityTest, MeansAgree) {
   ASSERT_TRUE(spec) << spec.error().message;
   const auto reference = bench::readPfm(file.string() + ".ref.pfm");
   ASSERT_TRUE(reference) << reference.error().message;
-  auto run = bench::Accumulation::start(renderer(), spec->scene, spec->scene->cameras.front(),
-                                        bench::specSettings(*spec));
+  auto run =
+      bench::Accumulation::start(renderer(), spec->scene, spec->scene->cameras.front(), bench::specSettings(*spec));
   ASSERT_TRUE(run) << run.error().message;
   const auto grown = (*run)->growTo(GetParam().samples);
   ASSERT_TRUE(grown) << grown.error().message;

@@ -80,9 +80,9 @@ Result<Measured> measure(render::Renderer& renderer, const HardScene& scene, con
   settings.roulette = way.mode == render::Mode::hybrid;
   settings.samples = kSamplesPerTick;
   // The picture, for people: what should be seen is middle grey.
-  settings.exposure_ev =
-      scene.truth && *scene.truth > 0.0 ? std::clamp(static_cast<float>(std::log2(0.5 / *scene.truth)), -16.0f, 16.0f)
-                                        : 0.0f;
+  settings.exposure_ev = scene.truth && *scene.truth > 0.0
+                             ? std::clamp(static_cast<float>(std::log2(0.5 / *scene.truth)), -16.0f, 16.0f)
+                             : 0.0f;
 
   Measured measured;
   const uint32_t wanted = converged && scene.converged_samples ? scene.converged_samples : scene.samples;

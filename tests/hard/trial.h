@@ -21,15 +21,15 @@ inline constexpr std::array<Way, 3> kWays{{{"reference", render::Mode::reference
 /// All of the red channel: scenes with a truth are grey.
 struct Measured {
   render::Frame frame;
-  uint32_t samples = 0;               ///< a pixel
-  uint64_t nonfinite = 0;             ///< samples that were dropped, of all ticks
-  uint32_t broken_texels = 0;         ///< not finite, or negative
+  uint32_t samples = 0;        ///< a pixel
+  uint64_t nonfinite = 0;      ///< samples that were dropped, of all ticks
+  uint32_t broken_texels = 0;  ///< not finite, or negative
   double mean = 0.0;
-  double standard_error = 0.0;        ///< of the mean
-  double energy_error = 0.0;          ///< part by which the mean exceeds the truth, or radiance 1; 0 where it does not
-  std::optional<double> error;        ///< |mean - truth| / truth; absolute where the truth is 0
-  double worst_texel = 0.0;           ///< farthest from the truth, in units of it; without one: the brightest
-  std::optional<double> similarity;   ///< to the twin's picture
+  double standard_error = 0.0;       ///< of the mean
+  double energy_error = 0.0;         ///< part by which the mean exceeds the truth, or radiance 1; 0 where it does not
+  std::optional<double> error;       ///< |mean - truth| / truth; absolute where the truth is 0
+  double worst_texel = 0.0;          ///< farthest from the truth, in units of it; without one: the brightest
+  std::optional<double> similarity;  ///< to the twin's picture
 };
 
 /// `converged`: with as many samples as it takes to be within kConverged. Errors: the renderer's.

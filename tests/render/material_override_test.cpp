@@ -21,7 +21,7 @@ using render::Primary;
 struct Gallery {
   static constexpr float kRoughness = 0.3f, kMetallic = 0.6f;
   const vec3 base{0.8f, 0.5f, 0.2f}, emission{0.1f, 0.2f, 0.3f}, tilted = glm::normalize(vec3(0.6f, 0.8f, 0.0f)),
-             unlit{0.25f, 0.75f, 0.5f};
+                                                                 unlit{0.25f, 0.75f, 0.5f};
   scene::ScenePtr scene;
 
   Gallery() {
@@ -81,8 +81,8 @@ void expectNear(const vec3& seen, const vec3& expected, float tolerance, const s
 float toSrgb(float v) { return v <= 0.0031308f ? 12.92f * v : 1.055f * std::pow(v, 1.0f / 2.4f) - 0.055f; }
 
 const std::vector<std::tuple<Mode, Primary, const char*>> kWays{{Mode::reference, Primary::traced, "reference"},
-                                                               {Mode::hybrid, Primary::traced, "hybrid, traced"},
-                                                               {Mode::hybrid, Primary::raster, "hybrid, raster"}};
+                                                                {Mode::hybrid, Primary::traced, "hybrid, traced"},
+                                                                {Mode::hybrid, Primary::raster, "hybrid, raster"}};
 
 TEST(MaterialOverride, PropertiesAreShownAsTheyAre) {
   const Gallery gallery;

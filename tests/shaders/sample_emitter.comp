@@ -12,6 +12,6 @@ void main() {
   if (i >= probe.count) return;
   const vec3 p = Questions(probe.questions).items[i].p;
   const RandomNumbers u = RandomTable(probe.randoms).items[i];
-  const EmitterSample s = sampleEmitter(p, u.a.xyz, u.b.xy);
+  const EmitterSample s = sampleEmitter(selectEmitter(p, u.a.xyz), p, u.b.xy);
   Answers(probe.answers).items[i] = EmitterDrawn(s.position, s.pdf_area, s.emission, selectEmitter(p, u.a.xyz));
 }

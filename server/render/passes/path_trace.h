@@ -35,7 +35,8 @@ class PathTrace {
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
-  using Variant = std::tuple<uint32_t, MaterialOverride, bool>;  // bits of the effects, materials, whether rays are logged
+  using Variant =
+      std::tuple<uint32_t, MaterialOverride, bool>;  // bits of the effects, materials, whether rays are logged
   const gpu::RayTracingPipeline& variant(effects::EffectSet effects, MaterialOverride materials, bool log_rays);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
