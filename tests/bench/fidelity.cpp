@@ -11,6 +11,7 @@
 #include "bench/files.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "bench/settings.h"
 #include "scene/spec.h"
 #include "stream/picture.h"
 
@@ -34,6 +35,7 @@ struct FidelityOptions {
   std::vector<std::string> specs;
   uint32_t samples = 0;  // 0: the spec's
   std::string out = "out/fidelity";
+  std::vector<std::string> settings;
   render::RendererOptions renderer;
   bool json = false;
 };
@@ -56,8 +58,11 @@ struct Picture {
   double secondsPerMsample() const { return 1e-3 * gpu_ms / (1e-6 * width * height * samples); }
 };
 
-Result<Picture> renderSpec(render::Renderer& renderer, const scene::Spec& spec, uint32_t samples) {
-  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(), specSettings(spec));
+Result<Picture> renderSpec(render::Renderer& renderer, const scene::Spec& spec, const FidelityOptions& options) {
+  const uint32_t samples = options.samples ? options.samples : spec.samples;
+  render::ViewSettings settings = specSettings(spec);
+  if (auto applied = apply(options.settings, settings); !applied) return applied.error();
+  auto accumulation = Accumulation::start(renderer, spec.scene, spec.scene->cameras.front(), settings);
   if (!accumulation) return accumulation.error();
   Accumulation& run = **accumulation;
   Progress progress(spec.name, samples);
@@ -156,7 +161,7 @@ Result<void> measure(const FidelityOptions& options, const std::string& command_
   Table table(
       {"picture", "samples", "mean RGB", "ratio of means", "relative MSE", "noise floor", "not finite", "s/Msample"});
   for (size_t i = 0; i < specs.size(); ++i) {
-    auto picture = renderSpec(**renderer, specs[i], options.samples ? options.samples : specs[i].samples);
+    auto picture = renderSpec(**renderer, specs[i], options);
     if (!picture) return picture.error();
     if (auto compared = compare(*picture, options.specs[i]); !compared) return compared;
     if (auto written = writePictures(*picture, options.specs[i], options.out); !written) return written;
@@ -181,6 +186,7 @@ void addFidelityCommand(CLI::App& app, const std::string& command_line, Action& 
   command.add_option("--spp", options->samples, "samples a pixel; default: the SPEC's")
       ->check(CLI::Range(1, 1'000'000));
   command.add_option("--out", options->out, "a folder for the pictures")->capture_default_str();
+  addSettingOptions(command, options->settings);
   addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {

@@ -11,6 +11,7 @@
 #include "bench/device.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "bench/settings.h"
 #include "bench/stage.h"
 #include "scene/spec.h"
 
@@ -33,6 +34,7 @@ constexpr uint32_t kBlock = 1024;  // samples of the low-discrepancy sequence th
 struct SamplerOptions {
   StageOptions stage;
   std::string spec;
+  std::vector<std::string> settings;
   render::RendererOptions renderer;
   uint32_t width = 160, height = 90, bounces = 3;
   uint32_t most = 256, truth = 2048;
@@ -68,6 +70,7 @@ struct Run {
 Result<Run> render(render::Renderer& renderer, const Subject& subject, Sampler sampler, const SamplerOptions& options) {
   render::ViewSettings settings = subject.settings;
   settings.sampler = sampler;
+  if (auto applied = apply(options.settings, settings); !applied) return applied.error();
   auto accumulation = Accumulation::start(renderer, subject.scene, subject.camera, settings);
   if (!accumulation) return accumulation.error();
   Progress progress(sampler == Sampler::independent ? "independent" : "low discrepancy", kBlock + options.truth);
@@ -150,6 +153,7 @@ void addSamplerCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--truth", options->truth, "further samples that the truth is made of")
       ->capture_default_str()
       ->check(CLI::Range(64u, 1'000'000u));
+  addSettingOptions(command, options->settings);
   addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {

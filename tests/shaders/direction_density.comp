@@ -18,6 +18,8 @@ DirectionDensity density(vec3 wo, vec3 wi) {
     if (wi.z > 0.0) answer.pdf = smithG1(wo, alpha) * ggxD(wi, alpha) * max(0.0, dot(wo, wi)) / wo.z;
   } else if (probe.routine == kSampleCosine) {
     answer.pdf = max(0.0, wi.z) * kInvPi;
+  } else if (probe.routine == kSampleSky) {
+    answer.pdf = skyPdf(wi, wo);
   } else {
     answer.pdf = inSunDisc(wi) ? sunPdf() : 0.0;
   }

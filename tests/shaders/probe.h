@@ -10,6 +10,7 @@ HELIO_CONSTANT kSampleBsdf = 0u;
 HELIO_CONSTANT kSampleVisibleNormal = 1u;
 HELIO_CONSTANT kSampleCosine = 2u;
 HELIO_CONSTANT kSampleSun = 3u;
+HELIO_CONSTANT kSampleSky = 4u;  // `wo`: the normal of the plane above which it is looked for
 
 struct ProbeConstants {
   uint64_t frame;      // FrameConstants; 0 where a probe needs none
@@ -42,7 +43,7 @@ struct RandomNumbers {
   vec4 b;
 };
 
-// Two directions in the shading frame, or in world space for the sun.
+// Two directions in the shading frame, or in world space for sun and sky.
 struct DirectionQuestion {
   vec3 wo;
   vec3 wi;

@@ -18,6 +18,9 @@ DirectionDrawn draw(vec3 wo, vec3 u) {
     drawn = DirectionDrawn(sampleVisibleNormal(wo, probe.roughness * probe.roughness, u.xy), 1.0, vec3(1.0));
   } else if (probe.routine == kSampleCosine) {
     drawn = DirectionDrawn(cosineHemisphere(u.xy), 1.0, vec3(1.0));
+  } else if (probe.routine == kSampleSky) {
+    const vec3 wi = sampleSky(u.xy, wo);
+    drawn = DirectionDrawn(wi, skyPdf(wi, wo), vec3(1.0));
   } else {
     drawn = DirectionDrawn(sampleSun(u.xy), sunPdf(), vec3(1.0));
   }

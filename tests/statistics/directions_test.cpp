@@ -128,6 +128,37 @@ TEST(Directions, TheCosineHemisphereIsSampledAsStated) {
   expectSampledAsStated({"cosine hemisphere", constants, glm::vec3(0, 0, 1), Chart::cap({0, 0, 1}, 0.5, 100.0)}, 1);
 }
 
+/// Frame constants on the GPU, for samplers that read them.
+gpu::Buffer onGpu(const shared::FrameConstants& frame) {
+  gpu::Buffer buffer(probe().device(), {"frame constants", sizeof(shared::FrameConstants),
+                                        gpu::MemoryCategory::transfer, gpu::Placement::upload});
+  std::memcpy(buffer.mapped(), &frame, sizeof frame);
+  return buffer;
+}
+
+// Uniform, brighter above, black below, and brighter below; above the ground, a slope, a wall and a ceiling.
+TEST(Directions, TheSkyIsSampledAsStated) {
+  const std::vector<std::pair<glm::vec3, glm::vec3>> skies = {{glm::vec3(1.0f), glm::vec3(1.0f)},
+                                                              {glm::vec3(0.4f, 0.6f, 2.0f), glm::vec3(0.3f)},
+                                                              {glm::vec3(1.0f), glm::vec3(0.0f)},
+                                                              {glm::vec3(0.0f), glm::vec3(0.5f, 0.4f, 0.1f)}};
+  const std::vector<glm::dvec3> normals = {{0, 1, 0}, {0.6, 0.64, -0.48}, {1, 0, 0}, {0, -1, 0}};
+  for (const auto& [zenith, ground] : skies) {
+    shared::FrameConstants frame{};
+    frame.sky_zenith = zenith;
+    frame.sky_ground = ground;
+    const gpu::Buffer buffer = onGpu(frame);
+    shared::ProbeConstants constants{};
+    constants.routine = shared::kSampleSky;
+    constants.frame = buffer.address();
+    for (const glm::dvec3& normal : normals)
+      expectSampledAsStated({"sky from " + std::to_string(ground.x) + " to " + std::to_string(zenith.x) + ", normal " +
+                                 std::to_string(normal.x) + " " + std::to_string(normal.y),
+                             constants, glm::vec3(normal), Chart::cap(normal, 0.5, 100.0)},
+                            skies.size() * normals.size());
+  }
+}
+
 // The real sun's disc, the widest, and a sun straight below (where the basis has its branch).
 TEST(Directions, TheSunIsSampledAsStated) {
   struct Disc {
@@ -137,12 +168,10 @@ TEST(Directions, TheSunIsSampledAsStated) {
   const std::vector<Disc> discs = {{{0.3, 0.8, -0.5}, 0.0093}, {{0.9, 0.1, 0.2}, 0.5}, {{0.0, 0.0, -1.0}, 0.05}};
   for (const Disc& disc : discs) {
     const double one_minus_cos = 2.0 * std::pow(std::sin(0.25 * disc.diameter), 2.0);
-    const gpu::Buffer buffer(probe().device(), {"frame constants", sizeof(shared::FrameConstants),
-                                                gpu::MemoryCategory::transfer, gpu::Placement::upload});
     shared::FrameConstants frame{};
     frame.sun_to = glm::vec3(glm::normalize(disc.to));
     frame.sun_one_minus_cos = static_cast<float>(one_minus_cos);
-    std::memcpy(buffer.mapped(), &frame, sizeof frame);
+    const gpu::Buffer buffer = onGpu(frame);
     shared::ProbeConstants constants{};
     constants.routine = shared::kSampleSun;
     constants.frame = buffer.address();

@@ -20,7 +20,7 @@ Lamps::Lamps(scene::ScenePtr scene)
       commands_(probe().device()),
       resources_(probe().device(), commands_, *scene_),
       instances_(probe().device(), *scene_, resources_.emitterPower(), effects::emitterWeight),
-      emitters_(probe().device()) {
+      emitters_(probe().device(), *scene_) {
   world::World world(scene_);
   instances_.apply(world.beginTick(0.0), [](uint32_t, int64_t) {});
   commands_.begin();

@@ -1,0 +1,55 @@
+#include "bench/settings.h"
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+namespace helio::bench {
+namespace {
+
+using Setter = std::function<void(render::ViewSettings&, double)>;
+
+template <typename T>
+Setter into(T render::ViewSettings::*field) {
+  return [field](render::ViewSettings& settings, double value) { settings.*field = static_cast<T>(value); };
+}
+
+const std::map<std::string, Setter>& setters() {
+  using S = render::ViewSettings;
+  static const std::map<std::string, Setter> table{{"bounces", into(&S::bounces)},
+                                                   {"roulette", into(&S::roulette)},
+                                                   {"light_sampling", into(&S::light_sampling)},
+                                                   {"mis", into(&S::mis)},
+                                                   {"sky_sampling", into(&S::sky_sampling)},
+                                                   {"round_surfaces", into(&S::round_surfaces)},
+                                                   {"multiple_scattering", into(&S::multiple_scattering)},
+                                                   {"regularisation", into(&S::regularisation)},
+                                                   {"path_launches", into(&S::path_launches)}};
+  return table;
+}
+
+}  // namespace
+
+void addSettingOptions(CLI::App& command, std::vector<std::string>& assignments) {
+  command.add_option("--set", assignments, "a setting of the view, NAME=VALUE; yes and no are 1 and 0");
+}
+
+Result<void> apply(const std::vector<std::string>& assignments, render::ViewSettings& settings) {
+  for (const std::string& assignment : assignments) {
+    const size_t equals = assignment.find('=');
+    const std::string name = assignment.substr(0, equals);
+    const auto setter = setters().find(name);
+    if (equals == std::string::npos || setter == setters().end()) {
+      std::string known;
+      for (const auto& [candidate, _] : setters()) known += (known.empty() ? "" : ", ") + candidate;
+      return invalid("set", assignment, "--set " + assignment + ": give NAME=VALUE with a name of " + known);
+    }
+    double value = 0.0;
+    if (!CLI::detail::lexical_cast(assignment.substr(equals + 1), value) || !std::isfinite(value) || value < 0.0)
+      return invalid("set", assignment, "--set " + assignment + ": the value must be a number, 0 or more");
+    setter->second(settings, value);
+  }
+  return {};
+}
+
+}  // namespace helio::bench
