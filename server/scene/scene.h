@@ -84,7 +84,8 @@ struct Material {
   /// Which of the mesh's channels of texture coordinates each slot reads: 0 is Mesh::uvs, k is Mesh::more_uvs[k - 1].
   /// The emissive slot reads channel 0, for light sampling knows no other.
   std::array<uint8_t, kTextureSlots> uv_channel{};
-  bool lambert = false;  ///< two-sided Lambert of base_color, no specular lobe
+  bool lambert =
+      false;  ///< two-sided Lambert of base_color, no specular (the `lambert` convention of reference images)
   /// Shines with base_color from both faces, whatever light there is, and reflects nothing. Casts shadows; lights other
   /// surfaces where their scattered rays find it, but is no lamp: light sampling does not look for it.
   bool unlit = false;

@@ -34,12 +34,23 @@ glm::dvec3 fresnel(const Material& material, double cosine) {
   return f0 + (1.0 - f0) * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), 5.0);
 }
 
+double meanPower(double cosine, double roughness) {
+  const double power = 5.0 / (1.0 + 1.74 * roughness), scale = 1.0 / (1.0 + 24.3 * std::pow(roughness, 2.47));
+  return scale * std::pow(1.0 - std::clamp(cosine, 0.0, 1.0), power);
+}
+
 glm::dvec3 evaluate(const Material& material, const glm::dvec3& wo, const glm::dvec3& wi) {
   if (wo.z <= 0.0 || wi.z <= 0.0) return glm::dvec3(0.0);
   if (material.lambert) return material.base / kPi;
   const glm::dvec3 half = glm::normalize(wo + wi);
   const glm::dvec3 f = fresnel(material, glm::dot(wo, half));
-  glm::dvec3 value = (1.0 - f) * (1.0 - material.metallic) * material.base / kPi;
+  // The base under the coat [Kelemen and Szirmay-Kalos 2001].
+  const glm::dvec3 f0 = fresnel(material, 1.0);
+  const auto through = [&](double mean_power) { return 1.0 - (f0 + (1.0 - f0) * mean_power); };
+  const double power = 5.0 / (1.0 + 1.74 * material.roughness);
+  const glm::dvec3 mean = through(meanPower(0.0, material.roughness) * 2.0 / ((power + 1.0) * (power + 2.0)));
+  glm::dvec3 value = through(meanPower(wo.z, material.roughness)) * through(meanPower(wi.z, material.roughness)) /
+                     glm::max(mean, glm::dvec3(1e-4)) * (1.0 - material.metallic) * material.base / kPi;
   if (!material.mirror())
     value += f * distribution(half.z, material.alpha()) * visibility(wo.z, wi.z, material.alpha());
   return value;

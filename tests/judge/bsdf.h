@@ -1,5 +1,6 @@
-// glTF's metallic-roughness material in double, written from the specification (glTF 2.0, appendix B) and not from the
-// shaders: it is what they are judged by. Directions in the shading frame (z = shading normal), away from the surface.
+// glTF's metallic-roughness material in double, written from the specification (glTF 2.0, appendix B; the base under
+// the coat from Kelemen and Szirmay-Kalos) and not from the shaders: it is what they are judged by. Directions in the
+// shading frame (z = shading normal), away from the surface.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -27,6 +28,10 @@ glm::dvec3 evaluate(const Material& material, const glm::dvec3& wo, const glm::d
 
 /// Schlick's Fresnel reflectance of the material.
 glm::dvec3 fresnel(const Material& material, double cosine);
+
+/// The mean of (1 - cos)^5 between a direction and the microfacets of GGX that reflect it, as a fit: what makes
+/// Schlick's Fresnel reflectance the directional albedo of a rough coat, f0 + (1 - f0) times this.
+double meanPower(double cosine, double roughness);
 
 struct Sample {
   glm::dvec3 wi{0.0};

@@ -46,6 +46,11 @@ size_t FakeRenderer::views() const {
   return views_.size();
 }
 
+render::ViewSettings FakeRenderer::newestSettings() const {
+  std::lock_guard lock(mutex_);
+  return newest_settings_;
+}
+
 size_t FakeRenderer::worlds() const {
   std::lock_guard lock(mutex_);
   return worlds_.size();
@@ -86,10 +91,13 @@ Result<std::vector<render::Frame>> FakeRenderer::tick(render::WorldHandle world,
     frame.stats.gpu_ms = 1.5;
     frame.stats.passes = {{"paint", 1.5}};
     frame.stats.effects = {{"paint", 7, 1024, 1.5}};
+    frame.stats.nonfinite = 5;
+    frame.stats.dropped = {{"paint", "NaN", 2}, {"paint", "negative", 3}};
     frame.stats.rays.primary = uint64_t{settings.width} * settings.height;
     {
       std::lock_guard lock(mutex_);
       misuses_ += views_.count(request.view) != 1;
+      newest_settings_ = settings;
       frame.stats.accumulated = views_[request.view].accumulated += settings.samples;
     }
     frames.push_back(std::move(frame));

@@ -37,6 +37,8 @@ class FakeRenderer final : public render::Renderer {
   int64_t livePixels() const { return *live_; }
   int64_t mostPixels() const { return *most_; }
   uint64_t ticks() const { return ticks_; }
+  /// Of the last view of the last tick.
+  render::ViewSettings newestSettings() const;
   /// Slots that change sets have held, in all.
   uint64_t slots() const { return slots_; }
   /// Misuse that a real renderer would not survive: one world from two threads, unknown handles.
@@ -50,6 +52,7 @@ class FakeRenderer final : public render::Renderer {
   mutable std::mutex mutex_;
   std::map<render::WorldHandle, bool> worlds_;  ///< in a tick
   std::map<render::ViewHandle, View> views_;
+  render::ViewSettings newest_settings_;
   uint64_t next_ = 1;
   std::atomic<int> tick_ms_ = 1;
   std::atomic<uint32_t> fail_width_ = 0;

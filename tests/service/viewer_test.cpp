@@ -60,6 +60,11 @@ TEST_F(ViewerTest, TwoViewersOfOneWorldSeeTheirOwnSizesAndCameras) {
   EXPECT_NEAR(middlePixel(b)[2], 200, 4);
   EXPECT_EQ(a.telemetry().passes(0).name(), "paint");
   EXPECT_EQ(a.telemetry().rays().primary(), 64u * 32u);
+  EXPECT_EQ(a.telemetry().nonfinite(), 5u);
+  ASSERT_EQ(a.telemetry().dropped_samples_size(), 2);
+  EXPECT_EQ(a.telemetry().dropped_samples(1).pass(), "paint");
+  EXPECT_EQ(a.telemetry().dropped_samples(1).cause(), "negative");
+  EXPECT_EQ(a.telemetry().dropped_samples(1).samples(), 3u);
 }
 
 TEST_F(ViewerTest, FramesOfOneStreamAscend) {
@@ -147,6 +152,14 @@ TEST_F(ViewerTest, APausedViewerGetsNothingUntilItGoesOn) {
   EXPECT_EQ(viewer.frame().id(), 1u);
 }
 
+TEST_F(ViewerTest, AMaterialOverrideIsASettingLikeOthers) {
+  Viewer viewer(*viewers_, "city", 64, 32,
+                [](v1::Hello& hello) { hello.mutable_settings()->set_materials(v1::MATERIAL_OVERRIDE_NORMALS); });
+  EXPECT_EQ(viewer.welcome().settings().settings().materials(), v1::MATERIAL_OVERRIDE_NORMALS);
+  viewer.frame();
+  EXPECT_EQ(renderer_.newestSettings().materials, render::MaterialOverride::normals);
+}
+
 TEST_F(ViewerTest, EveryFrameAfterTheAnswerHasTheNewSettings) {
   Viewer viewer(*viewers_, "city", 64, 32);
   viewer.frame();
@@ -212,6 +225,7 @@ TEST_F(ViewerTest, SettingsOutOfRange) {
   const std::pair<const char*, Adjust> cases[] = {
       {"settings.bounces", [](v1::Settings& s) { s.set_bounces(33); }},
       {"settings.samples", [](v1::Settings& s) { s.set_samples(65); }},
+      {"settings.materials", [](v1::Settings& s) { s.set_materials(v1::MaterialOverride(99)); }},
       {"settings.mode", [](v1::Settings& s) { s.set_mode(v1::RenderMode(99)); }},
       {"settings.primary", [](v1::Settings& s) { s.set_primary(v1::PrimaryHits(99)); }},
       {"settings.exposure_ev", [](v1::Settings& s) { s.mutable_exposure()->set_ev(std::nanf("")); }},

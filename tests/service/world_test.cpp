@@ -320,6 +320,9 @@ TEST_F(WorldTest, TelemetryTellsOfViewersEditsAndEffects) {
   EXPECT_EQ(world.viewers(0).applied_seq(), 1u);
   EXPECT_EQ(world.viewers(0).passes(0).name(), "paint");
   EXPECT_EQ(world.viewers(0).effects(0).instances(), 7u);
+  ASSERT_EQ(world.viewers(0).dropped_samples_size(), 2);
+  EXPECT_EQ(world.viewers(0).dropped_samples(0).cause(), "NaN");
+  EXPECT_GE(world.viewers(0).dropped_samples(0).samples(), 2 * world.viewers(0).frames()) << "2 in every frame";
   server_->drain(std::chrono::seconds(5));
   while (stream->Read(&sample)) {}
   const auto status = stream->Finish();
