@@ -13,8 +13,11 @@ void EmitterInstances::upload(gpu::Commands& commands, const accel::InstanceTabl
   std::vector<effects::PlacedLight> lights = effects::placedLights(punctual_);
   const std::vector<shared::PunctualRecord> punctual = effects::punctualRecords(punctual_);
   std::vector<float> weights;
-  for (const effects::PlacedLight& light : lights)
+  distant_irradiance_ = 0.0f;
+  for (const effects::PlacedLight& light : lights) {
     weights.push_back(punctual[light.slot & ~shared::kPunctualLight].weight);
+    if (light.distant) distant_irradiance_ += light.weight;
+  }
   for (uint32_t slot : instances.order()) {
     const float weight = instances.records()[slot].emitter_weight;
     if (!(weight > 0.0f)) continue;
@@ -43,6 +46,7 @@ void EmitterInstances::describe(shared::FrameConstants& constants) const {
   constants.emitter_weight_sum = weight_sum_;
   constants.light_cells = cells_.address();
   constants.punctual_lights = punctual_records_.address();
+  constants.distant_irradiance = distant_irradiance_;
   constants.light_grid_origin = grid_origin_;
   constants.light_grid_size = grid_size_;
   constants.light_cells_per_metre = cells_per_metre_;

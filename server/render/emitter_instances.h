@@ -32,6 +32,7 @@ class EmitterInstances {
   gpu::Buffer punctual_records_;
   uint32_t count_ = 0;
   float weight_sum_ = 0.0f;
+  float distant_irradiance_ = 0.0f;
   glm::vec2 grid_origin_{0.0f};
   glm::uvec2 grid_size_{0u};
   float cells_per_metre_ = 0.0f;

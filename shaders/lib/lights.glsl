@@ -14,10 +14,10 @@ uint lightCellOf(vec3 p) {
   return uint(cell.y) * frame.light_grid_size.x + uint(cell.x);
 }
 
-// About how much light, power over squared distance, the listed lights send to the cell of `p`; 0 where none is listed.
+// About how much light, power over squared distance, the listed lights send to the cell of `p`; beyond the grid none is listed.
 float cellIrradiance(vec3 p) {
   const uint index = lightCellOf(p);
-  return index == kNothing ? 0.0 : LightCellTable(frame.light_cells).items[index].irradiance;
+  return index == kNothing ? frame.distant_irradiance : LightCellTable(frame.light_cells).items[index].irradiance;
 }
 
 // Probability that selectEmitter(p, ...) returns `slot`, whose weight is `weight`.

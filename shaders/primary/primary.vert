@@ -24,6 +24,8 @@ void main() {
   gl_Position = vec4(dot(relative, frame.right) / (frame.tangent * frame.aspect) + offset.x * depth,
                      -dot(relative, frame.up) / frame.tangent + offset.y * depth, frame.near_plane, depth);
   out_slot = slot;
+  out_material = 0u;
+  out_mask = vec3(0.0);
   if (kAlphaMasks) {
     const GeometryRecord geometry = GeometryTable(frame.geometries).items[MeshTable(frame.meshes).items[instance.mesh].first_geometry + draw.geometry];
     out_material = geometry.material;

@@ -35,6 +35,7 @@ struct FrameConstants {
   uint emitter_instance_count;
   float emitter_weight_sum;
   uint64_t punctual_lights;  // PunctualRecord
+  float distant_irradiance;  // of the distant ones among them, as LightCell.irradiance
 
   // Sun and sky. `sun_to` points towards the sun.
   vec3 sun_to;
