@@ -20,4 +20,8 @@ layout(constant_id = 11) const bool kPunctualLights = true;
 // What stands in the place of all materials: shared/material_override.h.
 layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;
 
+// What only some views ask for.
+layout(constant_id = 41) const bool kSkySampling = true;
+layout(constant_id = 42) const bool kMultipleScattering = true;
+
 #endif

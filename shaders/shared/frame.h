@@ -54,7 +54,7 @@ struct FrameConstants {
   uint sky_sampling;         // 1: light sampling looks for the sky too
   uint round_surfaces;       // 1: rays leave from the surface that the vertex normals tell of [Hanika 2021]
   float least_alpha;         // of GGX lobes once a path has scattered roughly
-  uint64_t ggx_albedo;       // GgxAlbedo; 0: single scattering
+  uint64_t ggx_albedo;       // GgxAlbedo, with kMultipleScattering
 
   // Images of the bindless set, and buffers.
   uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit

@@ -7,7 +7,8 @@
 namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
-constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40;
+constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
+                 kMultipleScatteringConstant = 42, kConstants = 43;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -41,23 +42,24 @@ std::string anyHit(effects::EffectSet effects) {
   return effects.has(effects::Effect::alpha_masks) ? "path_trace/cut_out.rahit" : "";
 }
 
-const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, MaterialOverride materials,
+const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
                                                   bool log_rays) {
   // What is shown takes emission's way.
-  if (showsProperty(materials)) effects.add(effects::Effect::emissive_triangles);
-  const Variant key{effects.bits, materials, log_rays};
+  if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
+  gpu::Specialisation constants = effects::specialisation(effects);
+  constants.resize(kConstants);
+  constants[kLogRaysConstant] = log_rays;
+  constants[kMaterialsConstant] = static_cast<uint32_t>(settings.materials);
+  constants[kSkySamplingConstant] = settings.sky_sampling;
+  constants[kMultipleScatteringConstant] = settings.multiple_scattering;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto found = variants_.find(key); found != variants_.end()) return found->second;
+    if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
   }
   // Compile without the lock, so that no other world waits; should two do it at once, the first stays.
-  gpu::Specialisation constants = effects::specialisation(effects);
-  constants.resize(kMaterialsConstant + 1);
-  constants[kLogRaysConstant] = log_rays;
-  constants[kMaterialsConstant] = static_cast<uint32_t>(materials);
   gpu::RayTracingPipeline pipeline(device_, describeTrace("path_trace/path_trace.rgen", effects, constants));
   const std::lock_guard lock(mutex_);
-  return variants_.emplace(key, std::move(pipeline)).first->second;
+  return variants_.emplace(constants, std::move(pipeline)).first->second;
 }
 
 void PathTrace::record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
@@ -96,7 +98,7 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings().materials, false);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false);
   pass.graph.add("path_trace", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},
@@ -113,7 +115,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings().materials, true);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},

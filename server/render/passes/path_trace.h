@@ -35,9 +35,7 @@ class PathTrace {
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
-  using Variant =
-      std::tuple<uint32_t, MaterialOverride, bool>;  // bits of the effects, materials, whether rays are logged
-  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, MaterialOverride materials, bool log_rays);
+  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;
@@ -45,7 +43,7 @@ class PathTrace {
   gpu::Device& device_;
   gpu::ComputePipeline compact_;
   std::mutex mutex_;
-  std::map<Variant, gpu::RayTracingPipeline> variants_;
+  std::map<gpu::Specialisation, gpu::RayTracingPipeline> variants_;  // of path_trace.rgen
 };
 
 }  // namespace helio::render
