@@ -4,9 +4,12 @@
 #include "lib/accumulation.glsl"
 #include "lib/bindless.glsl"
 #include "lib/faults.glsl"
+#include "lib/random.glsl"
 #include "lib/tables.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
+
+const uint kRounding = 0xffffffffu;  // no decision of a path has this number
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -19,6 +22,6 @@ void main() {
     countFault(kFaultAccumulate, fault, uvec2(pixel), 0u);
     mean = vec4(0.0);
   }
-  if (sampled.a > 0.0) mean = runningMean(mean, sampled.rgb);
+  if (sampled.a > 0.0) mean = runningMean(mean, sampled.rgb, randomAt(uvec2(pixel), push.accumulated, kRounding).xyz);
   imageStore(images_rgba32f[frame.accumulation], pixel, mean);
 }

@@ -34,6 +34,7 @@ class Geometry {
   /// The nearest triangle farther than `least` metres along the ray.
   std::optional<Intersection> intersect(const Ray& ray, double least) const;
   const Triangle& triangle(uint32_t index) const { return triangles_[index]; }
+  uint32_t size() const { return static_cast<uint32_t>(triangles_.size()); }
 
  private:
   struct Node {

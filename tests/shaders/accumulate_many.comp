@@ -25,7 +25,7 @@ void main() {
   uint64_t sum = 0ul;
   for (uint i = 0u; i < q.count; ++i) {
     const uint units = sampleAt(q, i);
-    mean = runningMean(mean, vec3(float(units) / float(kAccumulationUnit)));
+    mean = runningMean(mean, vec3(float(units) / float(kAccumulationUnit)), randomAt(uvec2(item, q.kind), i, 7u).xyz);
     sum += uint64_t(units);
   }
   Answers(probe.answers).items[item] = AccumulationAnswer(sum, mean.x, mean.a);

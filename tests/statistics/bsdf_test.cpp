@@ -163,10 +163,10 @@ TEST(Bsdf, LambertAndMetalGainNoEnergy) {
 // The coat's directional albedo, which decides what is left for the base, is a fit to the integral over its lobe: never
 // so far below that energy is gained, seldom so far above that it shows.
 TEST(Bsdf, CoatAlbedoIsFitted) {
-  for (const float roughness : {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f, 0.7f, 0.8f, 0.9f, 1.0f}) {
+  for (const float roughness : {0.1f, 0.3f, 0.6f, 1.0f}) {
     Material coat = dielectricOf(roughness);
     coat.base = glm::vec3(0.0f);
-    for (const double angle : {0.0, 30.0, 45.0, 60.0, 70.0, 80.0, 85.0}) {
+    for (const double angle : {0.0, 45.0, 60.0, 80.0, 85.0}) {
       const glm::vec3 wo = viewAt(angle);
       const double fitted = 0.04 + 0.96 * judge::meanPower(static_cast<double>(wo.z), static_cast<double>(roughness));
       const double integral = sampledAlbedo(coat, wo);
