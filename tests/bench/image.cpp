@@ -11,6 +11,12 @@ namespace {
 
 constexpr double kEpsilon = 0.01;  // of relative errors: what is darker than 0.1 counts absolutely
 
+/// (a - b)^2 / (b^2 + 0.01).
+double relativeSquare(float a, float b) {
+  const double value = static_cast<double>(b), difference = static_cast<double>(a) - value;
+  return difference * difference / (value * value + kEpsilon);
+}
+
 }  // namespace
 
 Result<Image> readPfm(const std::string& path) {
@@ -45,11 +51,20 @@ glm::dvec3 mean(const Image& image) {
 
 double relativeMse(const Image& a, const Image& b) {
   double sum = 0.0;
-  for (size_t i = 0; i < a.rgb.size(); ++i) {
-    const double difference = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
-    sum += difference * difference / (static_cast<double>(b.rgb[i]) * static_cast<double>(b.rgb[i]) + kEpsilon);
-  }
+  for (size_t i = 0; i < a.rgb.size(); ++i) sum += relativeSquare(a.rgb[i], b.rgb[i]);
   return sum / static_cast<double>(a.rgb.size());
+}
+
+double medianRelativeSquare(const Image& a, const Image& b) {
+  std::vector<double> pixels;
+  for (size_t i = 0; i + 2 < a.rgb.size(); i += 3) {
+    double sum = 0.0;
+    for (size_t c = i; c < i + 3; ++c) sum += relativeSquare(a.rgb[c], b.rgb[c]);
+    pixels.push_back(sum / 3.0);
+  }
+  const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
+  std::nth_element(pixels.begin(), middle, pixels.end());
+  return *middle;
 }
 
 double noiseFloor(const Image& first, const Image& second) {

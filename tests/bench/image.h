@@ -23,6 +23,9 @@ glm::dvec3 mean(const Image& image);
 /// Mean over pixels and channels of (a - b)^2 / (b^2 + 0.01). Both are of the same size.
 double relativeMse(const Image& a, const Image& b);
 
+/// The median over pixels of the same, each the mean of its channels: blind to a few bright outliers.
+double medianRelativeSquare(const Image& a, const Image& b);
+
 /// The relative mean square error against the truth that the mean of two independent images of one sample count has
 /// from noise alone, estimated from their difference.
 double noiseFloor(const Image& first, const Image& second);

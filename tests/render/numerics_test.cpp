@@ -128,7 +128,7 @@ TEST(Numerics, AThroughputIsCountedToo) {
 // A triangle so large that its normal overflows floats is the primary hits' fault.
 TEST(Numerics, ASurfaceWithoutANormalIsThePrimaryHits) {
   SceneBuilder b;
-  b.place(b.prefab("plane", quad(1.0f), b.material(lambert(glm::vec3(0.5f)))), at({0, 0, 0}, 3e19f));
+  b.place(b.prefab("plane", quad(1e20f), b.material(lambert(glm::vec3(0.5f)))), at({0, 0, 0}));
   auto viewed = ViewedWorld::open(lenient(), b.build());
   ASSERT_TRUE(viewed) << viewed.error().message;
   auto frame = (*viewed)->tick(kDown, settingsOf(Mode::hybrid, Primary::raster));
