@@ -1,14 +1,17 @@
-// heliographd: configuration, then wiring; nothing else.
+// heliographd: what was asked for, then wiring; nothing else.
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
-#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <thread>
 
+#include "daemon/configuration.h"
+#include "daemon/doctor.h"
+#include "daemon/init.h"
+#include "daemon/logging.h"
+#include "daemon/ops_port.h"
 #include "service/server.h"
 #include "service/synthetic_renderer.h"
 #include "store/sqlite_edit_log.h"
@@ -16,16 +19,6 @@
 namespace {
 
 using namespace helio;
-
-constexpr const char* kExamples = R"(Examples:
-  heliographd --city 10000                       a city of 10,000 instances, world "city", on 127.0.0.1:7700
-  heliographd --device cpu --listen 127.0.0.1:0 --port-file port.txt
-                                                 on the software device, at a free port that port.txt names
-  heliographd --log-dir ~/worlds                 every acknowledged edit is on disk, and there again after a restart
-  heliographd --renderer synthetic               no device: black and white blocks, for measuring the service
-  heliographd --gltf-root ~/models               clients may make worlds of the files in there
-Every flag can be set in the environment too: HELIOGRAPH_LISTEN, HELIOGRAPH_CITY, ...
-The first SIGTERM or SIGINT tells the viewers and ends in order, the second ends at once.)";
 
 int fail(const std::string& message) {
   std::cerr << "heliographd: " << message << "\n";
@@ -52,56 +45,13 @@ Result<std::unique_ptr<store::EditLog>> openLog(const std::string& folder,
   return log;
 }
 
-}  // namespace
+Result<std::unique_ptr<render::Renderer>> makeRenderer(const daemon::Configuration& configuration) {
+  if (configuration.renderer == "synthetic") return service::makeSyntheticRenderer(configuration.synthetic);
+  return render::makeRenderer(configuration.device);
+}
 
-int main(int argc, char** argv) {
-  service::ServerConfig config;
-  config.version = HELIOGRAPH_VERSION;
-  config.encoder_threads = std::max(1u, std::thread::hardware_concurrency() / 2);
-  render::RendererOptions device;
-  service::SyntheticOptions synthetic;
-  uint64_t synthetic_frame_us = 0;
-  std::string renderer_name = "vulkan";
-  scene::CityParameters city{1, 0};
-  std::string world = "city", log_folder, port_file, log_level = "info";
-
-  CLI::App app("Hosts worlds, renders them, and streams pictures to viewers.", "heliographd");
-  app.footer(kExamples);
-  app.set_version_flag("--version", config.version);
-  const auto flag = [&](const char* name, auto& value, const char* help) {
-    std::string variable = std::string("HELIOGRAPH_") + (name + 2);
-    for (char& c : variable) c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-    return app.add_option(name, value, help)->envname(variable)->capture_default_str();
-  };
-  flag("--listen", config.address, "host:port on loopback; port 0 picks a free one");
-  flag("--port-file", port_file, "file that gets the bound host:port, when the server is ready");
-  flag("--renderer", renderer_name,
-       "vulkan, or synthetic: pictures of blocks that say what they show, without a device")
-      ->check(CLI::IsMember({"vulkan", "synthetic"}));
-  flag("--synthetic-frame-us", synthetic_frame_us, "microseconds that a tick of the synthetic renderer takes");
-  flag("--synthetic-noise", synthetic.noise, "grey levels of noise in its pictures, 0 to 100")
-      ->check(CLI::Range(0, 100));
-  flag("--device", device.device, "part of a Vulkan device's name, cpu or gpu; empty: the best there is");
-  app.add_flag("--validation", device.validation, "Vulkan's validation layer")->envname("HELIOGRAPH_VALIDATION");
-  app.add_flag("--strict-numerics", device.strict_numerics,
-               "end at the first sample that is not finite, or negative, with a line that says where it was")
-      ->envname("HELIOGRAPH_STRICT_NUMERICS");
-  flag("--log-dir", log_folder,
-       "folder that keeps the worlds and their edits over a restart; empty: memory keeps them");
-  flag("--gltf-root", config.gltf_root, "folder whose glTF files may become worlds")->check(CLI::ExistingDirectory);
-  flag("--city", city.instances, "make a city of so many instances at the start, 1,000 to 1,000,000");
-  flag("--seed", city.seed, "of that city");
-  flag("--world-name", world, "of that city");
-  flag("--log-level", log_level, "trace, debug, info, warn, error")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}));
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    return fail(std::string(error.what()) + "; see heliographd --help");
-  }
-  spdlog::set_level(spdlog::level::from_str(log_level));
-
+int serve(daemon::Configuration configuration) {
+  daemon::configureLogs(configuration.log_level, configuration.log_format);
   // Before any thread starts: all inherit it.
   sigset_t signals;
   sigemptyset(&signals);
@@ -110,28 +60,38 @@ int main(int argc, char** argv) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 
   // Crash-only: a supervisor starts the process again, and the viewers attach again.
-  config.on_fatal = [](const Error& error) {
+  configuration.server.on_fatal = [](const Error& error) {
     std::cerr << "heliographd: cannot go on: " << error.message << std::endl;
     std::_Exit(EXIT_FAILURE);
   };
-  auto log = openLog(log_folder, config.on_fatal);
-  if (!log) return fail(log.error().message);
-  synthetic.frame_time = std::chrono::microseconds(synthetic_frame_us);
-  auto renderer =
-      renderer_name == "synthetic" ? service::makeSyntheticRenderer(synthetic) : render::makeRenderer(device);
-  if (!renderer) return fail(renderer.error().message);
-  auto server = service::Server::start(std::move(config), **renderer, **log);
-  if (!server) return fail(server.error().message);
-  if (city.instances != 0)
-    if (auto created = (*server)->createCity(world, city); !created) return fail(created.error().message);
-  const auto info = (*renderer)->device();
-  std::cout << "heliographd: ready on " << (*server)->address() << ", device " << info.name << " (" << info.driver
-            << ")" << std::endl;
-  if (!port_file.empty()) {
-    std::ofstream file(port_file);
-    file << (*server)->address() << "\n";
-    if (!file.flush()) return fail("cannot write --port-file " + port_file);
+  // First of all, and until the end: a slow start or a slow drain is no reason to restart.
+  std::unique_ptr<daemon::OpsPort> ops;
+  if (!configuration.ops_address.empty()) {
+    auto opened = daemon::OpsPort::open(configuration.ops_address);
+    if (!opened) return fail(opened.error().message);
+    ops = std::move(*opened);
+    spdlog::info("health and metrics on {}", ops->address());
   }
+  auto log = openLog(configuration.log_folder, configuration.server.on_fatal);
+  if (!log) return fail(log.error().message);
+  auto renderer = makeRenderer(configuration);
+  if (!renderer) return fail(renderer.error().message);
+  auto server = service::Server::start(configuration.server, **renderer, **log);
+  if (!server) return fail(server.error().message);
+  if (configuration.city.instances != 0)
+    if (auto created = (*server)->createCity(configuration.city_name, configuration.city); !created)
+      return fail(created.error().message);
+  const auto info = (*renderer)->device();
+  const auto ready = fmt::format("ready on {}, device {} ({})", (*server)->address(), info.name, info.driver);
+  if (configuration.log_format == "json") spdlog::info("{}", ready);
+  else std::cout << "heliographd: " << ready << std::endl;
+  if (!configuration.port_file.empty()) {
+    std::ofstream file(configuration.port_file);
+    file << (*server)->address() << "\n";
+    if (!file.flush()) return fail("cannot write --port-file " + configuration.port_file);
+  }
+
+  if (ops) ops->show({[&] { return (*server)->notReady(); }, [&] { return (*server)->metrics(); }});
 
   waitForSignal(signals);
   spdlog::info("draining; a second signal ends at once");
@@ -140,6 +100,43 @@ int main(int argc, char** argv) {
     std::_Exit(EXIT_FAILURE);
   }).detach();
   (*server)->drain();
+  if (ops) ops->show({});
   server->reset();
   return EXIT_SUCCESS;
+}
+
+int initialise(const daemon::Invocation& invocation) {
+  const auto line = daemon::initialise(invocation.configuration, invocation.init);
+  if (!line) return fail(line.error().message);
+  const auto folder = invocation.configuration.server.keys.string();
+  if (invocation.init.renew) std::cerr << "heliographd: renewed the certificate in " << folder << "\n";
+  if (line->empty()) return EXIT_SUCCESS;
+  // Standard output has the line alone, for scripts.
+  std::cerr << "heliographd: the keys are in " << folder << "; serve with --keys " << folder
+            << ", and give who shall administer it this line, which is shown this once:\n";
+  std::cout << *line << std::endl;
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  auto invocation = daemon::parseCommandLine(argc, argv);
+  if (!invocation) return fail(invocation.error().message);
+  if (!*invocation) return EXIT_SUCCESS;
+  switch ((*invocation)->command) {
+    case daemon::Command::check_configuration:
+      std::cout << (*invocation)->configuration.in_effect;
+      return EXIT_SUCCESS;
+    case daemon::Command::init:
+      return initialise(**invocation);
+    case daemon::Command::doctor: {
+      const auto findings = daemon::examine((*invocation)->configuration);
+      std::cout << daemon::report(findings, (*invocation)->json);
+      return daemon::canServe(findings) ? EXIT_SUCCESS : EXIT_FAILURE;
+    }
+    case daemon::Command::serve:
+      break;
+  }
+  return serve(std::move((*invocation)->configuration));
 }

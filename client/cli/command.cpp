@@ -49,8 +49,14 @@ void writeFile(const std::string& path, const std::string& bytes) {
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
+std::string usualServer() {
+  const auto newest = client::CredentialStore().newestServer();
+  return newest && !newest->empty() ? *newest : "127.0.0.1:7700";
+}
+
 void addCommon(CLI::App& command, Common& common, bool json) {
-  command.add_option("--server", common.server, "host:port of the server")
+  command
+      .add_option("--server", common.server, "host:port of the server; the usual one is that of the last helio login")
       ->envname("HELIOGRAPH_SERVER")
       ->capture_default_str();
   if (json) command.add_flag("--json", common.json, "print one JSON document with a schema field");

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 
 /// Flags of every command.
 struct Common {
-  std::string server = "127.0.0.1:7700";
+  std::string server;  ///< host:port; see usualServer()
   bool json = false;
 };
 
@@ -59,6 +59,9 @@ void writeFile(const std::string& path, const std::string& bytes);
 
 double radians(double degrees);
 
+/// The server that was logged in to last, or else the one that heliographd is without flags.
+std::string usualServer();
+
 /// Adds --server and --json to a command.
 void addCommon(CLI::App& command, Common& common, bool json = true);
 
@@ -69,5 +72,7 @@ void addEdit(CLI::App& app, Common& common);
 void addShot(CLI::App& app, Common& common);
 void addView(CLI::App& app, Common& common);
 void addTop(CLI::App& app, Common& common);
+void addLogin(CLI::App& app, Common& common);
+void addToken(CLI::App& app, Common& common);
 
 }  // namespace helio::cli

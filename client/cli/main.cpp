@@ -14,15 +14,19 @@ int main(int argc, char** argv) {
   helio shot city --camera city_at_sunset --out sunset.png
   helio view city --script scenes/tours/demo.json --out frames
   helio top
+  helio token create "Ann" --scope edit --world city
 helio COMMAND --help has the flags and examples of a command.)");
   app.require_subcommand(1);
   Common common;
+  common.server = usualServer();
   addWorlds(app, common);
   addPrefabs(app, common);
   addEdit(app, common);
   addShot(app, common);
   addView(app, common);
   addTop(app, common);
+  addLogin(app, common);
+  addToken(app, common);
   try {
     app.parse(argc, argv);
     return EXIT_SUCCESS;

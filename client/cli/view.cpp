@@ -16,7 +16,7 @@ struct ViewOptions {
   std::string world, script, camera, out = "frames", size = "640x360", mode = "hybrid", primary = "raster",
                                      materials = "none";
   bool tour = false;
-  uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80;
+  uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80, max_kbps = 0, reattach = 30;
   double seconds = 0;
 };
 
@@ -32,6 +32,7 @@ v1::Settings settingsOf(const ViewOptions& options) {
   settings.set_materials(parseMaterials(options.materials));
   settings.mutable_stream()->set_max_fps(options.max_fps);
   settings.mutable_stream()->set_jpeg_quality(options.quality);
+  settings.mutable_stream()->set_max_kbps(options.max_kbps);
   return settings;
 }
 
@@ -95,7 +96,8 @@ void view(const Common& common, const ViewOptions& options) {
 
   const v1::Settings settings = settingsOf(options);
   const v1::Camera& first = firstCamera(world, options.camera);
-  const auto session = get(client::ViewerSession::attach(connection, {options.world, settings, first}));
+  const auto session = get(client::ViewerSession::attach(
+      connection, {options.world, settings, first, std::chrono::seconds(options.reattach)}));
   const auto start = client::Clock::now();
   const double duration = touring ? tour.seconds() : options.seconds;
   const auto pilot = get(Pilot::prepare(connection, *session, world, std::move(tour)));
@@ -194,6 +196,11 @@ client/cli/README.md documents tours and telemetry.json.)");
   addMaterials(*command, options->materials);
   command->add_option("--max-fps", options->max_fps, "frames a second")->capture_default_str();
   command->add_option("--quality", options->quality, "of the JPEGs, 1 to 100")->capture_default_str();
+  command->add_option("--max-kbps", options->max_kbps, "thousands of bits a second; 0: what the connection carries")
+      ->capture_default_str();
+  command->add_option("--reattach", options->reattach, "seconds to try to attach again when the connection breaks")
+      ->capture_default_str()
+      ->check(CLI::Range(0u, 86'400u));
   command->add_option("--out", options->out, "folder")->capture_default_str();
   command->callback([&common, options] { view(common, *options); });
 }

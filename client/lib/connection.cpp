@@ -14,6 +14,7 @@ using namespace std::chrono_literals;
 constexpr int kMaxAnswerBytes = 64 << 20;
 constexpr auto kReachPatience = 3s;
 constexpr auto kToldPatience = 120s;
+constexpr auto kCallDeadline = 60s;  // a batch of 100,000 placements on a slow disk takes seconds
 
 const char* nameOf(grpc::StatusCode code) {
   switch (code) {
@@ -33,6 +34,10 @@ const char* nameOf(grpc::StatusCode code) {
       return "FAILED_PRECONDITION";
     case grpc::StatusCode::ABORTED:
       return "ABORTED";
+    case grpc::StatusCode::UNAUTHENTICATED:
+      return "UNAUTHENTICATED";
+    case grpc::StatusCode::PERMISSION_DENIED:
+      return "PERMISSION_DENIED";
     case grpc::StatusCode::UNIMPLEMENTED:
       return "UNIMPLEMENTED";
     case grpc::StatusCode::INTERNAL:
@@ -49,6 +54,8 @@ const char* nameOf(grpc::StatusCode code) {
 ErrorKind kindOf(grpc::StatusCode code) {
   switch (code) {
     case grpc::StatusCode::INVALID_ARGUMENT:
+    case grpc::StatusCode::UNAUTHENTICATED:
+    case grpc::StatusCode::PERMISSION_DENIED:
       return ErrorKind::invalid;
     case grpc::StatusCode::NOT_FOUND:
       return ErrorKind::not_found;
@@ -108,16 +115,25 @@ Error errorOf(const grpc::Status& status, const grpc::ClientContext& context) {
           detail.value(), detail.limit()};
 }
 
-Connection::Connection(std::string address) : address_(std::move(address)) {
+Connection::Connection(std::string address) : Connection(address, CredentialStore().find(address)) {}
+
+Connection::Connection(std::string address, const Result<std::optional<Credentials>>& stored)
+    : Connection(std::move(address), stored ? *stored : std::nullopt) {
+  if (!stored) unusable_ = stored.error();
+}
+
+Connection::Connection(std::string address, const std::optional<Credentials>& credentials)
+    : address_(std::move(address)), encrypted_(credentials.has_value()) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
-  const auto channel = grpc::CreateCustomChannel(address_, grpc::InsecureChannelCredentials(), arguments);
+  const auto channel = makeChannel(address_, credentials, arguments);
   worlds_ = v1::WorldService::NewStub(channel);
   viewers_ = v1::ViewerService::NewStub(channel);
   renders_ = v1::RenderService::NewStub(channel);
   telemetry_ = v1::TelemetryService::NewStub(channel);
+  access_ = v1::AccessService::NewStub(channel);
 }
 
 void Connection::route(grpc::ClientContext& context, const std::string& world) {
@@ -125,28 +141,34 @@ void Connection::route(grpc::ClientContext& context, const std::string& world) {
 }
 
 Error Connection::unreachable(const Error& error) const {
-  return {
-      ErrorKind::unavailable,
-      "no server answers at " + address_ + " (" + error.message + "); start heliographd, or name another with --server",
-      "server",
-      address_,
-      {}};
+  const std::string hint =
+      encrypted_ ? "start heliographd --keys, or name another with --server; is " + address_ +
+                       " among the hosts of its certificate (heliographd init --renew --host)?"
+                 : "start heliographd, or name another with --server; if it asks for tokens, helio login first";
+  return {ErrorKind::unavailable,
+          "no server answers at " + address_ + " (" + error.message + "); " + hint,
+          "server",
+          address_,
+          {}};
 }
 
 template <typename Request, typename Response>
 Result<Response> Connection::call(const Method<Request, Response>& method, const std::string& world,
                                   const Request& request, bool repeat) {
+  if (unusable_) return *unusable_;
   const auto start = Clock::now();
   auto wait = std::chrono::milliseconds(100);
   for (;;) {
     grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + kCallDeadline);
     route(context, world);
     Response response;
     const auto status = method(&context, request, &response);
     if (status.ok()) return response;
     const auto detail = detailOf(context);
     const bool transport = transportFailed(status, detail);
-    const bool told = status.error_code() == grpc::StatusCode::UNAVAILABLE && detail.retry_after_ms() > 0;
+    const bool told = detail.retry_after_ms() > 0 && (status.error_code() == grpc::StatusCode::UNAVAILABLE ||
+                                                      status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
     const auto patience = told ? Clock::duration(kToldPatience) : Clock::duration(kReachPatience);
     if (!repeat || !(transport || told) || Clock::now() - start > patience) {
       const Error error = errorOf(status, context);
@@ -232,6 +254,24 @@ Result<std::vector<v1::Instance>> Connection::instances(const std::string& world
     request.set_page_token(page->next_page_token());
   } while (!request.page_token().empty() && out.size() < limit);
   return out;
+}
+
+Result<v1::CreateTokenResponse> Connection::createToken(const v1::CreateTokenRequest& request) {
+  return call(bind(*access_, &v1::AccessService::Stub::CreateToken), {}, request, false);
+}
+
+Result<std::vector<v1::Token>> Connection::tokens() {
+  auto list = call(bind(*access_, &v1::AccessService::Stub::ListTokens), {}, v1::ListTokensRequest(), true);
+  if (!list) return list.error();
+  return std::vector<v1::Token>(list->tokens().begin(), list->tokens().end());
+}
+
+Result<void> Connection::revokeToken(const std::string& id) {
+  v1::RevokeTokenRequest request;
+  request.set_id(id);
+  auto revoked = call(bind(*access_, &v1::AccessService::Stub::RevokeToken), {}, request, false);
+  if (!revoked) return revoked.error();
+  return {};
 }
 
 Result<Connection::Picture> Connection::render(const v1::RenderRequest& request,

@@ -3,6 +3,7 @@
 
 #include <grpcpp/grpcpp.h>
 
+#include <heliograph/v1/access.grpc.pb.h>
 #include <heliograph/v1/error.pb.h>
 #include <heliograph/v1/render.grpc.pb.h>
 #include <heliograph/v1/telemetry.grpc.pb.h>
@@ -12,10 +13,12 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/result.h"
+#include "lib/credentials.h"
 
 namespace helio::client {
 
@@ -28,8 +31,10 @@ v1::ErrorDetail detailOf(const grpc::ClientContext& context);
 
 class Connection {
  public:
-  /// Does not connect yet; the first call does.
+  /// With what `helio login` kept for this address: TLS and a token; or else in plain text. Does not connect yet; the
+  /// first call does.
   explicit Connection(std::string address);
+  Connection(std::string address, const std::optional<Credentials>& credentials);
 
   const std::string& address() const { return address_; }
 
@@ -47,6 +52,11 @@ class Connection {
   Result<std::vector<v1::Prefab>> prefabs(const std::string& world);
   /// Instances in a cylinder, at most `limit`.
   Result<std::vector<v1::Instance>> instances(const std::string& world, float x, float z, float radius, size_t limit);
+
+  // Tokens, for who has scope admin. Not repeated.
+  Result<v1::CreateTokenResponse> createToken(const v1::CreateTokenRequest& request);
+  Result<std::vector<v1::Token>> tokens();
+  Result<void> revokeToken(const std::string& id);
 
   struct Picture {
     v1::RenderHeader header;
@@ -68,16 +78,20 @@ class Connection {
   using Method = std::function<grpc::Status(grpc::ClientContext*, const Request&, Response*)>;
 
  private:
+  Connection(std::string address, const Result<std::optional<Credentials>>& stored);
   template <typename Request, typename Response>
   Result<Response> call(const Method<Request, Response>& method, const std::string& world, const Request& request,
                         bool repeat);
   Error unreachable(const Error& error) const;
 
   std::string address_;
+  bool encrypted_ = false;
+  std::optional<Error> unusable_;  ///< the credentials could not be read: what every call says
   std::unique_ptr<v1::WorldService::Stub> worlds_;
   std::unique_ptr<v1::ViewerService::Stub> viewers_;
   std::unique_ptr<v1::RenderService::Stub> renders_;
   std::unique_ptr<v1::TelemetryService::Stub> telemetry_;
+  std::unique_ptr<v1::AccessService::Stub> access_;
 };
 
 }  // namespace helio::client

@@ -177,6 +177,11 @@ Outcome<ViewerSettings> fromWire(const v1::Settings& message, const Limits& limi
   if (stream.jpeg_quality() > 100)
     return outOfRange("settings.stream.jpeg_quality", text(stream.jpeg_quality()), "[1, 100]");
   if (stream.jpeg_quality() != 0) settings.jpeg_quality = int(stream.jpeg_quality());
+  if (stream.still_quality() > 100)
+    return outOfRange("settings.stream.still_quality", text(stream.still_quality()), "[1, 100]");
+  settings.still_quality =
+      stream.still_quality() != 0 ? int(stream.still_quality()) : std::max(95, settings.jpeg_quality);
+  settings.max_kbps = stream.max_kbps();
   if (auto ok = within("settings.stream.max_fps", settings.max_fps, 1, limits.max_fps); !ok) return ok.error();
   if (auto ok = within("settings.stream.max_latency_ms", settings.max_latency_ms, 10, 60'000); !ok) return ok.error();
   settings.paused = message.paused();
@@ -200,6 +205,8 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_max_fps(settings.max_fps);
   out.mutable_stream()->set_max_latency_ms(settings.max_latency_ms);
   out.mutable_stream()->set_jpeg_quality(uint32_t(settings.jpeg_quality));
+  out.mutable_stream()->set_still_quality(uint32_t(settings.still_quality));
+  out.mutable_stream()->set_max_kbps(settings.max_kbps);
   out.set_paused(settings.paused);
   out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
   return out;

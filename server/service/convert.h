@@ -20,7 +20,9 @@ struct ViewerSettings {
   render::ViewSettings view;
   uint32_t max_fps = 30;
   uint32_t max_latency_ms = 1000;
-  int jpeg_quality = 80;
+  int jpeg_quality = 80;   ///< at most, of a moving picture
+  int still_quality = 95;  ///< likewise of a still one
+  uint32_t max_kbps = 0;   ///< 0: what the connection carries
   bool paused = false;
   uint32_t revision = 0;
 };

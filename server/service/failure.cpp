@@ -40,17 +40,25 @@ grpc::StatusCode codeOf(v1::ErrorReason reason) {
     case v1::ERROR_REASON_LIMIT:
       return grpc::StatusCode::RESOURCE_EXHAUSTED;
     case v1::ERROR_REASON_SEQ_MISMATCH:
+    case v1::ERROR_REASON_SUPERSEDED:
       return grpc::StatusCode::ABORTED;
     case v1::ERROR_REASON_WORLD_FAILED:
     case v1::ERROR_REASON_UNSUPPORTED:
       return grpc::StatusCode::FAILED_PRECONDITION;
     case v1::ERROR_REASON_DATA_LOSS:
       return grpc::StatusCode::DATA_LOSS;
+    case v1::ERROR_REASON_UNAUTHENTICATED:
+      return grpc::StatusCode::UNAUTHENTICATED;
+    case v1::ERROR_REASON_FORBIDDEN:
+      return grpc::StatusCode::PERMISSION_DENIED;
+    case v1::ERROR_REASON_TOO_LATE:
+      return grpc::StatusCode::DEADLINE_EXCEEDED;
     case v1::ERROR_REASON_WORLD_LOADING:
     case v1::ERROR_REASON_DRAINING:
     case v1::ERROR_REASON_FENCED:
     case v1::ERROR_REASON_OUTCOME_UNKNOWN:
     case v1::ERROR_REASON_UNAVAILABLE:
+    case v1::ERROR_REASON_SILENT:
       return grpc::StatusCode::UNAVAILABLE;
     default:
       return grpc::StatusCode::INTERNAL;
@@ -59,6 +67,8 @@ grpc::StatusCode codeOf(v1::ErrorReason reason) {
 
 // Long enough for a supervisor to have started the server again.
 constexpr uint32_t kDrainRetryMs = 2000;
+// The other server has to load the world first.
+constexpr uint32_t kMovedRetryMs = 1000;
 
 }  // namespace
 
@@ -95,6 +105,30 @@ Failure draining() {
   return {v1::ERROR_REASON_DRAINING,
           {ErrorKind::unavailable, "the server is going down; connect again in a moment", {}, {}, {}},
           kDrainRetryMs};
+}
+
+Failure superseded() {
+  return {v1::ERROR_REASON_SUPERSEDED,
+          {ErrorKind::conflict, "another connection has gone on with this viewer", {}, {}, {}}};
+}
+
+Failure moved(const std::string& world) {
+  return {v1::ERROR_REASON_FENCED,
+          {ErrorKind::unavailable,
+           "another server has taken world \"" + world + "\" over; ask where it is",
+           "world",
+           world,
+           {}},
+          kMovedRetryMs};
+}
+
+Failure fellSilent(uint32_t seconds) {
+  return {v1::ERROR_REASON_SILENT,
+          {ErrorKind::unavailable,
+           "no frame was acknowledged for " + std::to_string(seconds) + " s; attach again",
+           {},
+           {},
+           std::to_string(seconds) + " s"}};
 }
 
 Failure outOfRange(std::string field, std::string value, std::string limit) {

@@ -36,6 +36,9 @@ grpc::Status toStatus(const Failure& failure, grpc::ServerContextBase& context);
 Failure unknownWorld(const std::string& world);
 Failure worldDeleted(const std::string& world);
 Failure draining();
+Failure superseded();
+Failure moved(const std::string& world);
+Failure fellSilent(uint32_t seconds);
 /// A single field out of range.
 Failure outOfRange(std::string field, std::string value, std::string limit);
 /// A limit of the whole server or world.

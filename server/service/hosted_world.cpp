@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <functional>
 #include <unordered_map>
 #include <utility>
 
@@ -33,6 +34,7 @@ HostedWorld::HostedWorld(std::string name, WorldSource source, const WorldEnviro
     : name_(std::move(name)),
       source_(std::move(source)),
       environment_(environment),
+      edit_rate_(environment_.max_edits_per_second),
       log_(name_, *environment_.log, environment_.snapshot_bytes, environment_.on_fatal),
       thread_([this] { run(); }) {}
 
@@ -81,24 +83,92 @@ Outcome<const world::World*> HostedWorld::content() const {
   return static_cast<const world::World*>(*content);
 }
 
-Outcome<void> HostedWorld::attach(std::shared_ptr<ViewSink> sink) {
+Outcome<bool> HostedWorld::attach(std::shared_ptr<ViewSink> sink, const std::string& key) {
   if (auto ready = content(); !ready) return ready.error();
-  std::lock_guard lock(mutex_);
-  if (stop_reason_) return *stop_reason_;
-  views_.push_back(std::make_shared<View>(View{std::move(sink), std::nullopt}));
-  woken_ = true;
-  wake_.notify_all();
-  return {};
+  std::shared_ptr<View> before;
+  std::shared_ptr<ViewSink> ghost;
+  {
+    std::lock_guard lock(mutex_);
+    if (stop_reason_) return *stop_reason_;
+    if (!key.empty()) {
+      const auto alive = std::find_if(views_.begin(), views_.end(), [&](const auto& v) { return v->key == key; });
+      const auto waiting =
+          std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return w.view->key == key; });
+      if (alive != views_.end()) {
+        before = *alive;
+        ghost = before->sink;
+        views_.erase(alive);
+      } else if (waiting != waiting_.end()) {
+        before = waiting->view;
+        waiting_.erase(waiting);
+      }
+    }
+    views_.push_back(std::make_shared<View>(View{std::move(sink), key, before, std::nullopt}));
+    woken_ = true;
+    wake_.notify_all();
+  }
+  if (ghost) ghost->end(superseded());
+  return before != nullptr;
 }
 
-void HostedWorld::detach(const ViewSink* sink) {
+void HostedWorld::detach(const ViewSink* sink, std::chrono::seconds keep, std::shared_ptr<void> place) {
   std::lock_guard lock(mutex_);
   const auto view = std::find_if(views_.begin(), views_.end(), [&](const auto& v) { return v->sink.get() == sink; });
   if (view == views_.end()) return;
-  leaving_.push_back(*view);
+  if (keep.count() > 0 && !(*view)->key.empty() && !stop_reason_) {
+    // An heir without a sink: the tick in progress may still use the view's own.
+    waiting_.push_back({std::make_shared<View>(View{nullptr, (*view)->key, *view, std::nullopt}), Clock::now() + keep,
+                        std::move(place)});
+  } else {
+    leaving_.push_back(*view);
+  }
   views_.erase(view);
   woken_ = true;
   wake_.notify_all();
+}
+
+bool HostedWorld::knows(const std::string& key) const {
+  std::lock_guard lock(mutex_);
+  return std::any_of(views_.begin(), views_.end(), [&](const auto& v) { return v->key == key; }) ||
+         std::any_of(waiting_.begin(), waiting_.end(), [&](const auto& w) { return w.view->key == key; });
+}
+
+void HostedWorld::forget(const std::string& key) {
+  std::lock_guard lock(mutex_);
+  const auto waiting =
+      std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& w) { return w.view->key == key; });
+  if (waiting == waiting_.end()) return;
+  leaving_.push_back(waiting->view);
+  waiting_.erase(waiting);
+  woken_ = true;
+  wake_.notify_all();
+}
+
+size_t HostedWorld::forgetWaiting() {
+  std::lock_guard lock(mutex_);
+  const size_t count = waiting_.size();
+  for (auto& waiting : waiting_) leaving_.push_back(std::move(waiting.view));
+  waiting_.clear();
+  woken_ = true;
+  wake_.notify_all();
+  return count;
+}
+
+void HostedWorld::tend(Clock::time_point now) {
+  Views attached;
+  {
+    std::lock_guard lock(mutex_);
+    attached = views_;
+    const auto late =
+        std::stable_partition(waiting_.begin(), waiting_.end(), [&](const Waiting& w) { return now < w.until; });
+    if (late != waiting_.end()) {
+      for (auto w = late; w != waiting_.end(); ++w) leaving_.push_back(std::move(w->view));
+      waiting_.erase(late, waiting_.end());
+      woken_ = true;
+      wake_.notify_all();
+    }
+  }
+  for (const auto& view : attached) view->sink->tend(now);
 }
 
 void HostedWorld::wake() {
@@ -151,13 +221,27 @@ telemetry::WorldCounters HostedWorld::counters() const {
 Outcome<EditAnswer> HostedWorld::apply(const EditRequest& request, Clock::time_point arrived) {
   auto content = this->content();
   if (!content) return content.error();
+  const uint64_t size = sizeOf(request.edits);
+  if (auto wait = edit_rate_.take(size, arrived); wait.count() > 0) {
+    environment_.metrics->rate_limited.Increment();
+    const std::string most = std::to_string(environment_.max_edits_per_second);
+    Failure failure =
+        beyondLimit("edits", std::to_string(size), most,
+                    "world \"" + name_ + "\" takes " + most + " edits and placements a second; try again in " +
+                        std::to_string(wait.count()) + " ms");
+    failure.retry_after_ms = static_cast<uint32_t>(wait.count());
+    return failure;
+  }
   auto applied = log_.apply(**content, request);
   if (!applied) {
     if (auto still = this->content(); !still) return still.error();  // it was deleted meanwhile, which says more
+    if (applied.error().reason == v1::ERROR_REASON_FENCED)
+      stop(applied.error());  // what is shown here is not the truth
     return applied;
   }
   if (!applied->replayed) {
     edit_latency_.arrived(applied->seq, arrived);
+    environment_.metrics->edits.Increment(static_cast<double>(size));
     wake();
   }
   return applied;
@@ -226,8 +310,11 @@ void HostedWorld::admitAndRelease() {
     leaving.swap(leaving_);
     attached = views_;
   }
-  for (const auto& view : leaving)
-    if (view->handle) environment_.renderer->removeView(*view->handle);
+  for (const auto& view : attached) inherit(*view);
+  for (const auto& view : leaving) {
+    inherit(*view);
+    if (view->handle) environment_.renderer->removeView(*std::exchange(view->handle, std::nullopt));
+  }
   for (const auto& view : attached) {
     if (view->handle) continue;
     auto handle = environment_.renderer->addView(handle_);
@@ -238,6 +325,14 @@ void HostedWorld::admitAndRelease() {
       detach(view->sink.get());
     }
   }
+}
+
+/// Takes over the handle of whom it comes after, along the whole line: nobody else needs it any more.
+void HostedWorld::inherit(View& heir) {
+  if (!heir.heir_of) return;
+  inherit(*heir.heir_of);
+  heir.handle = std::exchange(heir.heir_of->handle, std::nullopt);
+  heir.heir_of.reset();
 }
 
 /// Sleeps until frames are wanted; returns whose. Empty: stop.
@@ -310,6 +405,7 @@ Result<void> HostedWorld::render(const world::ChangeSet& changes, const Views& w
     ++counters_.ticks;
     counters_.tick_us += telemetry::microseconds(took);
   }
+  environment_.metrics->tick.Observe(std::chrono::duration<double>(took).count());
   for (size_t i = 0; i < wanted.size(); ++i) wanted[i]->sink->deliver(std::move((*frames)[i]), took);
   return {};
 }
@@ -329,6 +425,8 @@ void HostedWorld::endAll(const Failure& why) {
     std::lock_guard lock(mutex_);
     ending.swap(views_);
     leaving_.insert(leaving_.end(), ending.begin(), ending.end());
+    for (auto& waiting : waiting_) leaving_.push_back(std::move(waiting.view));
+    waiting_.clear();
   }
   for (const auto& view : ending) view->sink->end(why);
 }

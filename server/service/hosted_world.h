@@ -10,9 +10,11 @@
 #include <thread>
 #include <vector>
 
+#include "service/edit_rate.h"
 #include "service/view_sink.h"
 #include "service/world_log.h"
 #include "service/world_source.h"
+#include "telemetry/metrics.h"
 #include "world/world.h"
 
 namespace helio::service {
@@ -24,6 +26,8 @@ struct WorldEnvironment {
   world::Limits limits;
   uint64_t snapshot_bytes = 0;                 ///< see ServerConfig
   std::function<void(const Error&)> on_fatal;  ///< the device is lost or an invariant broke
+  telemetry::Metrics* metrics = nullptr;
+  uint32_t max_edits_per_second = 0;  ///< see Limits
 };
 
 /// Thread-safe.
@@ -49,10 +53,20 @@ class HostedWorld {
   /// Resolves, logs, applies: all or none. Failures: those of resolve, expected_seq, fenced, outcome unknown.
   Outcome<EditAnswer> apply(const EditRequest& request, Clock::time_point arrived);
 
-  /// Renders for `sink` from the next tick on. Failures as content().
-  Outcome<void> attach(std::shared_ptr<ViewSink> sink);
-  /// Frees its view as soon as the tick in progress is over. Nothing is called on it afterwards, but end().
-  void detach(const ViewSink* sink);
+  /// Renders for `sink` from the next tick on. With the `key` of a view whose sink is attached (it is ended:
+  /// superseded) or was detached lately, that view's history goes on; true then. Failures as content().
+  Outcome<bool> attach(std::shared_ptr<ViewSink> sink, const std::string& key = {});
+  /// Frees its view as soon as the tick in progress is over. Nothing is called on it afterwards, but end(). With `keep`
+  /// above zero a view with a key waits so long to be attached again, and holds on to `place` so long.
+  void detach(const ViewSink* sink, std::chrono::seconds keep = {}, std::shared_ptr<void> place = {});
+  /// attach() would go on with a view.
+  bool knows(const std::string& key) const;
+  /// The view of `key` is not waited for any more.
+  void forget(const std::string& key);
+  /// Views that wait are freed; how many there were. Room for who is here is worth more than for who may come back.
+  size_t forgetWaiting();
+  /// About once a second: sinks are tended, views that waited in vain are freed.
+  void tend(Clock::time_point now);
   /// A sink's wish has changed.
   void wake();
 
@@ -71,7 +85,14 @@ class HostedWorld {
  private:
   struct View {
     std::shared_ptr<ViewSink> sink;
-    std::optional<render::ViewHandle> handle;  ///< none until the tick thread has made it
+    std::string key;                           ///< empty: nobody can come back to it
+    std::shared_ptr<View> heir_of;             ///< whose handle it takes over; tick thread only
+    std::optional<render::ViewHandle> handle;  ///< none until the tick thread has made it; tick thread only
+  };
+  struct Waiting {
+    std::shared_ptr<View> view;
+    Clock::time_point until;
+    std::shared_ptr<void> place;
   };
   using Views = std::vector<std::shared_ptr<View>>;
 
@@ -79,6 +100,7 @@ class HostedWorld {
   Result<void> load();
   void tickUntilStopped();
   void admitAndRelease();
+  void inherit(View& heir);
   Views waitForDemand();
   void tick(const Views& wanted);
   Result<void> render(const world::ChangeSet& changes, const Views& wanted);
@@ -96,11 +118,13 @@ class HostedWorld {
   std::optional<Failure> stop_reason_;
   bool stopped_ = false;
   bool woken_ = false;
-  Views views_;    ///< attached sinks
-  Views leaving_;  ///< detached, their views not freed yet
+  Views views_;                   ///< attached sinks
+  Views leaving_;                 ///< detached, their views not freed yet
+  std::vector<Waiting> waiting_;  ///< detached, and perhaps attached again
   telemetry::WorldCounters counters_;
 
-  std::unique_ptr<world::World> content_;       // written before state_ becomes ready
+  std::unique_ptr<world::World> content_;  // written before state_ becomes ready
+  EditRate edit_rate_;
   WorldLog log_;                                // goes before content_
   render::WorldHandle handle_ = 0;              // tick thread only
   Clock::time_point last_tick_{};               // tick thread only

@@ -18,7 +18,14 @@ struct Limits {
   uint32_t max_size = 8192;             ///< pixels; the render targets of one 8192 x 8192 view take some 5 GB
   uint32_t max_fps = 60;  ///< for one viewer; screens rarely show more, and every frame costs everybody's GPU
   uint32_t max_shot_samples = 65'536;  ///< a pixel; float running means stop gaining digits about there
-  uint32_t max_name_length = 64;       ///< of worlds and request ids: they are keys in logs and metadata
+  uint32_t max_edits_per_second =
+      1'000'000;  ///< with placements, of one world: edits lengthen the ticks of all who look
+  uint32_t max_streams_per_connection = 100;  ///< calls at a time: more wait at the client; one connection, one share
+  uint64_t max_scene_bytes = 4ull << 30;      ///< of a glTF file with what lies beside it: it is read into memory
+  uint32_t resume_seconds =
+      30;  ///< that a broken viewer's render targets are kept for its return; they fill the device
+  uint32_t max_silence_seconds = 20;  ///< that a viewer may owe an acknowledgement: then its client is dead
+  uint32_t max_name_length = 64;      ///< of worlds and request ids: they are keys in logs and metadata
 };
 
 }  // namespace helio::service

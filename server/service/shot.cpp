@@ -25,6 +25,8 @@ Shot::Shot(const StreamEnvironment& environment, grpc::CallbackServerContext& co
     : environment_(environment), context_(context) {}
 
 Outcome<void> Shot::begin(const v1::RenderRequest& request) {
+  const auto caller = environment_.access->admit(context_, "RenderService.Render", request);
+  if (!caller) return caller.error();
   auto world = environment_.worlds->find(request.world());
   if (!world) return world.error();
   auto content = (*world)->content();
@@ -63,7 +65,16 @@ Outcome<void> Shot::begin(const v1::RenderRequest& request) {
   if (!place) return place.error();
   place_ = *place;
   world_ = *world;
-  return world_->attach(shared_from_this());
+  session_ = environment_.access->enter(*caller, [weak = weak_from_this()](const Failure& why, bool at_once) {
+    const auto shot = weak.lock();
+    if (!shot) return;
+    if (at_once) return shot->context_.TryCancel();
+    shot->leave();
+    shot->end(why);
+  });
+  auto attached = world_->attach(shared_from_this());
+  if (!attached) return attached.error();
+  return {};
 }
 
 std::optional<Clock::time_point> Shot::wantedFrom(Clock::time_point now) {
@@ -135,7 +146,9 @@ void Shot::end(const Failure& failure) {
   std::lock_guard lock(mutex_);
   if (ending_ || finished_) return;
   // A picture that is being sent needs the world no more: going down lets it finish within the drain time.
-  if (rendered_ && failure.reason != v1::ERROR_REASON_INTERNAL) return;
+  const bool needs_the_world =
+      failure.reason != v1::ERROR_REASON_INTERNAL && failure.reason != v1::ERROR_REASON_UNAUTHENTICATED;
+  if (rendered_ && needs_the_world) return;
   ending_ = failure;
   pump();
 }
@@ -185,6 +198,7 @@ void Shot::leave() {
 void Shot::OnDone() {
   leave();
   place_.reset();
+  session_.reset();
   self_.reset();
 }
 

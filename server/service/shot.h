@@ -44,6 +44,7 @@ class Shot final : public grpc::ServerWriteReactor<v1::RenderEvent>,
   std::shared_ptr<Shot> self_;  ///< until OnDone
   WorldPtr world_;              ///< set by begin(), before anything else runs
   ViewerPlace place_;
+  AccessControl::Session session_;
   ShotSettings settings_;
   scene::Camera camera_;
 

@@ -93,7 +93,19 @@ class TelemetryService::Watcher final : public grpc::ServerWriteReactor<v1::Tele
   }
 
   void start() {
+    // The request's field `world` may be empty, for all that the caller may see.
+    auto caller = service_.access_.admit(context_, "TelemetryService.Watch");
+    if (caller && !world_.empty())
+      if (auto allowed = AccessControl::checkWorld(*caller, world_); !allowed) caller = allowed.error();
+    if (caller) {
+      caller_ = *caller;
+      session_ = service_.access_.enter(caller_, [this](const Failure& why, bool at_once) {
+        if (at_once) context_.TryCancel();
+        else end(why);
+      });
+    }
     std::lock_guard lock(mutex_);
+    if (!caller) return finish(caller.error());
     if (interval_ms_ < 100 || interval_ms_ > 60'000)
       return finish(outOfRange("interval_ms", std::to_string(interval_ms_), "[100, 60000]"));
     sample();
@@ -118,6 +130,7 @@ class TelemetryService::Watcher final : public grpc::ServerWriteReactor<v1::Tele
   }
 
   void OnDone() override {
+    session_.reset();
     {
       std::lock_guard lock(service_.mutex_);
       service_.watchers_.erase(this);
@@ -142,6 +155,7 @@ class TelemetryService::Watcher final : public grpc::ServerWriteReactor<v1::Tele
     if (world_.empty()) {
       std::map<std::string, Last> seen;
       for (const auto& world : service_.worlds_.list()) {
+        if (!caller_.mayUse(world->name())) continue;
         auto& last = seen[world->name()] = std::move(last_[world->name()]);
         describe(*world, last, seconds, now, *out_.add_worlds());
       }
@@ -163,6 +177,8 @@ class TelemetryService::Watcher final : public grpc::ServerWriteReactor<v1::Tele
   grpc::CallbackServerContext& context_;
   const std::string world_;
   uint32_t interval_ms_;
+  Caller caller_;
+  AccessControl::Session session_;
   std::map<std::string, Last> last_;
   std::optional<Clock::time_point> last_sample_;
   v1::TelemetrySample out_;

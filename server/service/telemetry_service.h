@@ -5,13 +5,14 @@
 
 #include <set>
 
+#include "service/access_control.h"
 #include "service/world_registry.h"
 
 namespace helio::service {
 
 class TelemetryService final : public v1::TelemetryService::CallbackService {
  public:
-  explicit TelemetryService(WorldRegistry& worlds) : worlds_(worlds) {}
+  TelemetryService(WorldRegistry& worlds, AccessControl& access) : worlds_(worlds), access_(access) {}
 
   grpc::ServerWriteReactor<v1::TelemetrySample>* Watch(grpc::CallbackServerContext* context,
                                                        const v1::WatchTelemetryRequest* request) override;
@@ -23,6 +24,7 @@ class TelemetryService final : public v1::TelemetryService::CallbackService {
   class Watcher;
 
   WorldRegistry& worlds_;
+  AccessControl& access_;
   const Clock::time_point started_ = Clock::now();
   std::mutex mutex_;
   std::set<Watcher*> watchers_;

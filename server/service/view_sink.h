@@ -41,6 +41,8 @@ class ViewSink {
   virtual void deliver(render::Frame frame, Clock::duration tick) = 0;
   /// No more frames will come.
   virtual void end(const Failure& failure) = 0;
+  /// Called about once a second by the server's housekeeping: whoever waits for a dead client finds out.
+  virtual void tend(Clock::time_point) {}
   /// Shots have none.
   virtual std::optional<ViewerStatus> status() const { return std::nullopt; }
 };

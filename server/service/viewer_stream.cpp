@@ -1,13 +1,17 @@
 #include "service/viewer_stream.h"
 
 #include <spdlog/spdlog.h>
+#include <sys/random.h>
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace helio::service {
 namespace {
 
+constexpr auto kStillAfter = std::chrono::milliseconds(500);  // a pause in a flight is not the end of it
+constexpr size_t kResumeTokenBytes = 16;
 constexpr int64_t kMaxHeldUs = 60'000'000;  // beyond a minute a client's figure is not a measurement
 
 v1::Notice noticeOf(const Failure& failure) {
@@ -18,6 +22,12 @@ v1::Notice noticeOf(const Failure& failure) {
       break;
     case v1::ERROR_REASON_WORLD_DELETED:
       notice.set_kind(v1::NOTICE_KIND_WORLD_DELETED);
+      break;
+    case v1::ERROR_REASON_SUPERSEDED:
+      notice.set_kind(v1::NOTICE_KIND_SUPERSEDED);
+      break;
+    case v1::ERROR_REASON_FENCED:
+      notice.set_kind(v1::NOTICE_KIND_MOVED);
       break;
     default:
       break;
@@ -38,24 +48,58 @@ v1::Stages toWire(const telemetry::Stages& stages) {
   return out;
 }
 
+stream::RateControl::Wishes wishesOf(const ViewerSettings& settings) {
+  return {settings.max_fps, settings.max_kbps, std::chrono::milliseconds(settings.max_latency_ms),
+          settings.jpeg_quality, settings.still_quality};
+}
+
+std::string newResumeToken() {
+  std::string token(kResumeTokenBytes, '\0');
+  if (getrandom(token.data(), token.size(), 0) != static_cast<ssize_t>(token.size()))
+    throw std::runtime_error("the system has no random numbers for a viewer");
+  return token;
+}
+
+bool samePlace(const scene::Camera& a, const scene::Camera& b) {
+  return a.position == b.position && a.forward == b.forward && a.up == b.up && a.vfov == b.vfov;
+}
+
 }  // namespace
 
 ViewerStream* ViewerStream::open(const StreamEnvironment& environment, grpc::CallbackServerContext& context) {
   std::shared_ptr<ViewerStream> stream(new ViewerStream(environment, context));
   stream->self_ = stream;
-  stream->StartRead(&stream->in_);
+  if (auto admitted = stream->admit(); !admitted) stream->end(admitted.error());
+  else stream->StartRead(&stream->in_);
   return stream.get();
 }
 
 ViewerStream::ViewerStream(const StreamEnvironment& environment, grpc::CallbackServerContext& context)
-    : environment_(environment), context_(context), window_(settings_.max_fps, maxLatency()) {}
+    : environment_(environment),
+      context_(context),
+      window_(settings_.max_fps, maxLatency()),
+      rate_(wishesOf(settings_)) {}
+
+Outcome<void> ViewerStream::admit() {
+  auto caller = environment_.access->admit(context_, "ViewerService.Attach");
+  if (!caller) return caller.error();
+  caller_ = std::move(*caller);
+  session_ = environment_.access->enter(caller_, [weak = weak_from_this()](const Failure& why, bool at_once) {
+    const auto stream = weak.lock();
+    if (!stream) return;
+    if (at_once) return stream->context_.TryCancel();
+    stream->leave();
+    stream->end(why);
+  });
+  return {};
+}
 
 // ---- From the client
 // -------------------------------------------------------------------------------------------------
 
 void ViewerStream::OnReadDone(bool ok) {
   if (!ok) {
-    leave();
+    leave(patience());  // a farewell or a broken connection: OnDone knows which
     std::lock_guard lock(mutex_);
     half_closed_ = true;
     pump();
@@ -93,6 +137,7 @@ Outcome<void> ViewerStream::receive(const v1::ViewerMessage& message) {
 
 Outcome<void> ViewerStream::hello(const v1::Hello& hello) {
   // Check all of it before anything is taken.
+  if (auto allowed = AccessControl::checkWorld(caller_, hello.world()); !allowed) return allowed;
   auto world = environment_.worlds->find(hello.world());
   if (!world) return world.error();
   auto content = (*world)->content();
@@ -107,9 +152,12 @@ Outcome<void> ViewerStream::hello(const v1::Hello& hello) {
   if (hello.has_camera()) {
     auto camera = fromWire(hello.camera(), "hello.camera", *environment_.limits);
     if (!camera) return camera.error();
-    first = {*camera, hello.camera().id(), hello.camera().client_ns(), Clock::now(), false};
+    first = {*camera, hello.camera().id(), hello.camera().client_ns(), Clock::now(), Clock::now(), false};
   }
-  auto place = environment_.worlds->admitViewer();
+  first.moved = Clock::now();
+  const std::string resume_token =
+      hello.resume_token().size() == kResumeTokenBytes ? hello.resume_token() : newResumeToken();
+  auto place = environment_.worlds->admitViewer((*world)->knows(keyOf(resume_token)));
   if (!place) return place.error();
 
   {
@@ -119,7 +167,15 @@ Outcome<void> ViewerStream::hello(const v1::Hello& hello) {
     id_ = environment_.next_viewer->fetch_add(1);
     settings_ = *wanted;
     camera_ = first;
+    resume_token_ = resume_token;
     window_.configure(settings_.max_fps, maxLatency());
+    rate_.configure(wishesOf(settings_));
+  }
+  const auto resumed = world_->attach(shared_from_this(), keyOf(resume_token));
+  if (!resumed) return resumed.error();
+  if (*resumed) environment_.metrics->resumed.Increment();
+  {
+    std::lock_guard lock(mutex_);
     welcome_.emplace();
     auto& welcome = *welcome_->mutable_welcome();
     welcome.set_viewer(id_);
@@ -127,16 +183,27 @@ Outcome<void> ViewerStream::hello(const v1::Hello& hello) {
     welcome.set_seq((*content)->seq());
     welcome.set_epoch(world_->epoch());
     *welcome.mutable_settings()->mutable_settings() = toWire(settings_);
+    welcome.set_resume_token(resume_token_);
+    welcome.set_resumed(*resumed);
+    welcomed_ = true;
     pump();
   }
-  return world_->attach(shared_from_this());
+  world_->wake();
+  return {};
+}
+
+/// A view is found again by the same caller only.
+std::string ViewerStream::keyOf(const std::string& resume_token) const {
+  return (caller_.token ? caller_.token->id : std::string()) + "/" + resume_token;
 }
 
 Outcome<void> ViewerStream::camera(const v1::Camera& message) {
   auto camera = fromWire(message, "camera", *environment_.limits);
   if (!camera) return camera.error();
   std::lock_guard lock(mutex_);
-  camera_ = {*camera, message.id(), message.client_ns(), Clock::now(), false};
+  const auto now = Clock::now();
+  const auto moved = samePlace(*camera, camera_.camera) ? camera_.moved : now;
+  camera_ = {*camera, message.id(), message.client_ns(), now, moved, false};
   return {};
 }
 
@@ -148,6 +215,7 @@ Outcome<void> ViewerStream::settings(const v1::Settings& message) {
     settings_ = *wanted;
     ++settings_change_;
     window_.configure(settings_.max_fps, maxLatency());
+    rate_.configure(wishesOf(settings_));
     mailbox_.clear();  // every frame after the answer has the new settings
     encoded_.reset();
     settings_answer_.emplace();
@@ -162,29 +230,41 @@ void ViewerStream::acknowledge(const v1::Ack& ack) {
   {
     std::lock_guard lock(mutex_);
     const auto held = std::chrono::microseconds(std::min<int64_t>(ack.held_us(), kMaxHeldUs));
-    if (!window_.acknowledged(ack.frame_id(), held, Clock::now())) return;
+    const auto now = Clock::now();
+    if (!window_.acknowledged(ack.frame_id(), held, now)) return;
+    rate_.acknowledged(ack.frame_id(), window_.lastRoundTrip(), *window_.smallestRoundTrip(), now);
+    environment_.metrics->round_trip.Observe(std::chrono::duration<double>(window_.lastRoundTrip()).count());
     pump();
   }
   world_->wake();
 }
 
-void ViewerStream::OnCancel() { leave(); }
+void ViewerStream::OnCancel() { leave(patience()); }
 
-/// The client is gone or wrong: its view is freed, its frames are let go.
-void ViewerStream::leave() {
+/// The client is gone or wrong: its frames are let go, its view is freed or waits for its return.
+void ViewerStream::leave(std::chrono::seconds keep) {
   WorldPtr world;
+  ViewerPlace place;
   {
     std::lock_guard lock(mutex_);
     world = world_;
-    place_.reset();
+    place = std::move(place_);
     mailbox_.clear();
     encoded_.reset();
   }
-  if (world) world->detach(this);
+  if (world) world->detach(this, keep, std::move(place));
 }
 
 void ViewerStream::OnDone() {
-  leave();
+  bool farewell = false, ended = false;
+  {
+    std::lock_guard lock(mutex_);
+    ended = ending_.has_value();
+    farewell = half_closed_ && !ended && !context_.IsCancelled();
+  }
+  leave(farewell || ended ? std::chrono::seconds(0) : patience());
+  if (farewell && world_) world_->forget(keyOf(resume_token_));
+  session_.reset();
   self_.reset();
 }
 
@@ -193,8 +273,8 @@ void ViewerStream::OnDone() {
 
 std::optional<Clock::time_point> ViewerStream::wantedFrom(Clock::time_point now) {
   std::lock_guard lock(mutex_);
-  if (settings_.paused || ending_ || half_closed_ || finished_ || !window_.open(now)) return std::nullopt;
-  return next_frame_;
+  if (!welcomed_ || settings_.paused || ending_ || half_closed_ || finished_ || !window_.open(now)) return std::nullopt;
+  return std::max(next_frame_, rate_.nextFrame());
 }
 
 ViewDemand ViewerStream::demand(Clock::time_point now) {
@@ -214,7 +294,8 @@ void ViewerStream::deliver(render::Frame frame, Clock::duration tick) {
   std::lock_guard lock(mutex_);
   counters_.countDropped(frame.stats.dropped);
   if (ending_ || half_closed_ || finished_ || change_in_tick_ != settings_change_) return;
-  Rendered rendered{std::move(frame), in_tick_, {}, settings_.jpeg_quality, settings_change_};
+  const bool still = tick_started_ - in_tick_.moved >= kStillAfter;
+  Rendered rendered{std::move(frame), in_tick_, {}, still, settings_change_};
   if (!in_tick_.rendered && in_tick_.arrived != Clock::time_point{})
     rendered.stages.camera_wait = telemetry::microseconds(tick_started_ - in_tick_.arrived);
   rendered.stages.tick = telemetry::microseconds(tick);
@@ -231,6 +312,20 @@ void ViewerStream::end(const Failure& failure) {
   if (auto notice = noticeOf(failure); notice.kind() != v1::NOTICE_KIND_UNSPECIFIED)
     *notice_.emplace().mutable_notice() = std::move(notice);
   pump();
+}
+
+void ViewerStream::tend(Clock::time_point now) {
+  const uint32_t patience = environment_.limits->max_silence_seconds;
+  {
+    std::lock_guard lock(mutex_);
+    if (ending_ || half_closed_ || finished_ || window_.silence(now) < std::chrono::seconds(patience)) return;
+  }
+  environment_.metrics->ghosts.Increment();
+  spdlog::info("viewer {}: acknowledged nothing for {} s; its stream ends", id_, patience);
+  leave(this->patience());
+  end(fellSilent(patience));
+  std::lock_guard lock(mutex_);
+  if (writing_) context_.TryCancel();  // nobody reads: nothing that is said would arrive
 }
 
 std::optional<ViewerStatus> ViewerStream::status() const {
@@ -268,19 +363,21 @@ void ViewerStream::pump() {
 
 void ViewerStream::startEncoding(stream::Mailbox<Rendered>::Taken taken) {
   encoding_ = true;
-  environment_.encoders->submit([self = shared_from_this(), taken = std::make_shared<stream::Mailbox<Rendered>::Taken>(
-                                                                std::move(taken))](stream::JpegEncoder& encoder) {
-    self->encode(encoder, std::move(taken->content), taken->waited, taken->dropped_before);
-  });
+  const int quality = rate_.quality(taken.content.still);
+  environment_.encoders->submit(
+      [self = shared_from_this(), quality,
+       taken = std::make_shared<stream::Mailbox<Rendered>::Taken>(std::move(taken))](stream::JpegEncoder& encoder) {
+        self->encode(encoder, std::move(taken->content), quality, taken->waited, taken->dropped_before);
+      });
 }
 
 /// On a thread of the pool, without the lock.
-void ViewerStream::encode(stream::JpegEncoder& encoder, Rendered rendered, Clock::duration waited,
+void ViewerStream::encode(stream::JpegEncoder& encoder, Rendered rendered, int quality, Clock::duration waited,
                           uint32_t dropped_before) {
   const auto start = Clock::now();
   Encoded encoded;
   auto& frame = *encoded.message.mutable_frame();
-  const auto result = encoder.encode(*rendered.frame.pixels, rendered.jpeg_quality, *frame.mutable_data());
+  const auto result = encoder.encode(*rendered.frame.pixels, quality, *frame.mutable_data());
   frame.set_width(rendered.frame.pixels->width);
   frame.set_height(rendered.frame.pixels->height);
   rendered.frame.pixels.reset();  // back to the renderer's pool
@@ -292,13 +389,16 @@ void ViewerStream::encode(stream::JpegEncoder& encoder, Rendered rendered, Clock
   frame.set_camera_client_ns(rendered.camera.client_ns);
   frame.set_codec(v1::CODEC_JPEG);
   frame.set_keyframe(true);
+  frame.set_still(rendered.still);
   *frame.mutable_telemetry() = service::toWire(stats);
   frame.mutable_telemetry()->set_dropped_before(dropped_before);
+  frame.mutable_telemetry()->set_jpeg_quality(static_cast<uint32_t>(quality));
   encoded.stages = rendered.stages;
   encoded.stages.mailbox = telemetry::microseconds(waited);
   encoded.stages.encode = telemetry::microseconds(Clock::now() - start);
   encoded.stats = std::move(rendered.frame.stats);
   encoded.dropped_before = dropped_before;
+  encoded.jpeg_quality = quality;
   encoded.settings_change = rendered.settings_change;
   encoded.since = Clock::now();
 
@@ -321,7 +421,14 @@ void ViewerStream::writeFrame() {
   frame.set_id(++last_frame_);
   *frame.mutable_telemetry()->mutable_stages() = toWire(encoded.stages);
   window_.sent(last_frame_, now);
-  world_->editLatency().shown(encoded.stats.applied_seq, now);
+  rate_.sent(last_frame_, frame.data().size(), encoded.jpeg_quality, now);
+  auto& metrics = *environment_.metrics;
+  metrics.frames.Increment();
+  metrics.frame_bytes.Increment(static_cast<double>(frame.data().size()));
+  metrics.frames_dropped.Increment(encoded.dropped_before);
+  metrics.encode.Observe(static_cast<double>(encoded.stages.encode) / 1e6);
+  for (const double ms : world_->editLatency().shown(encoded.stats.applied_seq, now))
+    metrics.edit_to_picture.Observe(ms / 1e3);
   counters_.count(encoded.stages, encoded.dropped_before, frame.data().size());
   counters_.newest = std::move(encoded.stats);
   write(std::move(encoded.message));
@@ -335,7 +442,7 @@ void ViewerStream::write(v1::ServerMessage message) {
 }
 
 void ViewerStream::OnWriteDone(bool ok) {
-  if (!ok) leave();  // the connection broke; OnReadDone or OnCancel says so too
+  if (!ok) leave(patience());  // the connection broke; OnReadDone or OnCancel says so too
   std::lock_guard lock(mutex_);
   writing_ = false;
   previous_write_ = Clock::now() - write_started_;

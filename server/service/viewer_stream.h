@@ -7,10 +7,12 @@
 #include <mutex>
 #include <optional>
 
+#include "service/access_control.h"
 #include "service/convert.h"
 #include "service/world_registry.h"
 #include "stream/encoder_pool.h"
 #include "stream/mailbox.h"
+#include "stream/rate_control.h"
 #include "stream/window.h"
 
 namespace helio::service {
@@ -18,6 +20,8 @@ namespace helio::service {
 /// What viewers and shots need of their server. Outlives them.
 struct StreamEnvironment {
   WorldRegistry* worlds = nullptr;
+  AccessControl* access = nullptr;
+  telemetry::Metrics* metrics = nullptr;
   const Limits* limits = nullptr;
   stream::EncoderPool* encoders = nullptr;
   std::atomic<uint64_t>* next_viewer = nullptr;
@@ -41,6 +45,7 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   ViewDemand demand(Clock::time_point now) override;
   void deliver(render::Frame frame, Clock::duration tick) override;
   void end(const Failure& failure) override;
+  void tend(Clock::time_point now) override;
   std::optional<ViewerStatus> status() const override;
 
  private:
@@ -49,13 +54,14 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
     uint64_t id = 0;
     uint64_t client_ns = 0;
     Clock::time_point arrived{};
+    Clock::time_point moved{};  ///< since then it has been where it is
     bool rendered = false;
   };
   struct Rendered {
     render::Frame frame;
     CameraInUse camera;
     telemetry::Stages stages;
-    int jpeg_quality = 80;
+    bool still = false;
     uint64_t settings_change = 0;
   };
   struct Encoded {
@@ -63,12 +69,14 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
     telemetry::Stages stages;
     render::FrameStats stats;
     uint32_t dropped_before = 0;
+    int jpeg_quality = 0;
     uint64_t settings_change = 0;
     Clock::time_point since{};
   };
 
   ViewerStream(const StreamEnvironment& environment, grpc::CallbackServerContext& context);
 
+  Outcome<void> admit();
   // Messages of the client. A failure ends the stream with its status.
   Outcome<void> receive(const v1::ViewerMessage& message);
   Outcome<void> hello(const v1::Hello& hello);
@@ -84,8 +92,11 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   void finish(grpc::Status status);
   Clock::duration maxLatency() const { return std::chrono::milliseconds(settings_.max_latency_ms); }
 
-  void encode(stream::JpegEncoder& encoder, Rendered rendered, Clock::duration waited, uint32_t dropped_before);
-  void leave();
+  void encode(stream::JpegEncoder& encoder, Rendered rendered, int quality, Clock::duration waited,
+              uint32_t dropped_before);
+  void leave(std::chrono::seconds keep = {});
+  std::chrono::seconds patience() const { return std::chrono::seconds(environment_.limits->resume_seconds); }
+  std::string keyOf(const std::string& resume_token) const;
 
   const StreamEnvironment& environment_;
   grpc::CallbackServerContext& context_;
@@ -93,9 +104,13 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   v1::ViewerMessage in_;
   WorldPtr world_;  ///< set by Hello, once, before anything else runs
   ViewerPlace place_;
+  Caller caller_;
+  AccessControl::Session session_;
 
   mutable std::mutex mutex_;
   uint64_t id_ = 0;
+  std::string resume_token_;
+  bool welcomed_ = false;  ///< frames may follow
   uint64_t unknown_messages_ = 0;
   ViewerSettings settings_;
   uint64_t settings_change_ = 0;  ///< counts changes: frames of earlier settings are let go
@@ -107,6 +122,7 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
 
   stream::Mailbox<Rendered> mailbox_;
   stream::AckWindow window_;
+  stream::RateControl rate_;
   bool encoding_ = false;
   std::optional<Encoded> encoded_;
   uint64_t last_frame_ = 0;

@@ -164,9 +164,7 @@ Outcome<EditAnswer> WorldLog::apply(world::World& world, const EditRequest& requ
     case store::Append::ok:
       break;
     case store::Append::fenced:
-      return Failure{
-          v1::ERROR_REASON_FENCED,
-          {ErrorKind::unavailable, "another server has taken world \"" + world_ + "\" over", "world", world_, {}}};
+      return moved(world_);
     case store::Append::unknown:
       unsettled_ = true;
       return outcomeUnknown(request.request_id);

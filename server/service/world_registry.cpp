@@ -57,6 +57,7 @@ Result<void> WorldRegistry::restore(const FindSource& find_source) {
                    fmt::format("the log holds {} worlds, this server allows {}", names->size(), limits_.max_worlds),
                    "max_worlds", std::to_string(names->size()), std::to_string(limits_.max_worlds)};
     worlds_[name] = std::make_shared<HostedWorld>(name, sourceOf(std::move(bytes), find_source), environment_);
+    awaited_.push_back(worlds_[name]);
   }
   return {};
 }
@@ -151,13 +152,29 @@ void WorldRegistry::reap() {
   dying_.erase(ended, dying_.end());
 }
 
-Outcome<ViewerPlace> WorldRegistry::admitViewer() {
+void WorldRegistry::await(const WorldPtr& world) {
+  std::lock_guard lock(mutex_);
+  awaited_.push_back(world);
+}
+
+bool WorldRegistry::started() const {
+  std::lock_guard lock(mutex_);
+  std::erase_if(awaited_, [](const std::weak_ptr<HostedWorld>& weak) {
+    const auto world = weak.lock();
+    return !world || world->state() != HostedWorld::State::loading;
+  });
+  return awaited_.empty();
+}
+
+Outcome<ViewerPlace> WorldRegistry::admitViewer(bool returning) {
   {
     std::lock_guard lock(mutex_);
     if (draining_) return draining();
   }
   const std::string most = std::to_string(limits_.max_viewers);
-  if (viewers_->fetch_add(1) >= limits_.max_viewers) {
+  if (!returning && *viewers_ >= limits_.max_viewers)
+    for (const auto& world : list()) world->forgetWaiting();
+  if (viewers_->fetch_add(1) >= limits_.max_viewers && !returning) {
     viewers_->fetch_sub(1);
     return beyondLimit("viewers", most, most, "this server serves its " + most + " viewers already; try again later");
   }

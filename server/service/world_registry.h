@@ -41,8 +41,14 @@ class WorldRegistry {
   /// Ends its viewers. The log has forgotten it when this returns. Failures: unknown world, the log's.
   Outcome<void> remove(const std::string& name);
 
-  /// Failures: max_viewers, draining.
-  Outcome<ViewerPlace> admitViewer();
+  /// The server counts as started only when this world has been loaded, as those that restore() finds.
+  void await(const WorldPtr& world);
+  /// All of those have been loaded, or cannot be.
+  bool started() const;
+
+  /// Whom views wait for gives way to who is here. `returning`: has a place already, and is let in on it. Failures:
+  /// max_viewers, draining.
+  Outcome<ViewerPlace> admitViewer(bool returning = false);
 
   /// Ends every viewer; nothing is created or found any more.
   void drain();
@@ -59,6 +65,7 @@ class WorldRegistry {
   std::set<std::string> entering_, leaving_;
   std::vector<WorldPtr> dying_;  ///< removed, their threads still at work; their names are taken until then
   bool draining_ = false;
+  mutable std::vector<std::weak_ptr<HostedWorld>> awaited_;  ///< the server is not ready before they are
   uint64_t chosen_names_ = 0;
   std::shared_ptr<std::atomic<uint32_t>> viewers_ = std::make_shared<std::atomic<uint32_t>>(0);
 };

@@ -6,17 +6,16 @@
 #include <cmath>
 #include <utility>
 
+#include "service/access_service.h"
 #include "service/convert.h"
+#include "service/unary.h"
 #include "service/world_source.h"
 
 namespace helio::service {
 namespace {
 
-grpc::ServerUnaryReactor* answer(grpc::CallbackServerContext* context, const Outcome<void>& outcome) {
-  auto* reactor = context->DefaultReactor();
-  reactor->Finish(outcome ? grpc::Status::OK : toStatus(outcome.error(), *context));
-  return reactor;
-}
+// A take-over takes seconds; who asks more often than this learns nothing new.
+constexpr uint32_t kResolveTtlSeconds = 5;
 
 v1::WorldState stateOf(HostedWorld::State state) {
   switch (state) {
@@ -61,25 +60,34 @@ Outcome<uint32_t> pageSize(uint32_t asked, uint32_t usual, uint32_t most) {
 
 }  // namespace
 
-WorldService::WorldService(WorldRegistry& worlds, const Limits& limits, std::filesystem::path gltf_root,
-                           std::string version, render::DeviceInfo device)
+WorldService::WorldService(WorldRegistry& worlds, const AccessControl& access, const Limits& limits,
+                           std::filesystem::path gltf_root, std::string version, std::string advertise,
+                           render::DeviceInfo device)
     : worlds_(worlds),
+      access_(access),
       limits_(limits),
       gltf_root_(std::move(gltf_root)),
       version_(std::move(version)),
+      advertise_(std::move(advertise)),
       device_(std::move(device)) {}
 
 grpc::ServerUnaryReactor* WorldService::GetServerInfo(grpc::CallbackServerContext* context,
-                                                      const v1::GetServerInfoRequest*, v1::ServerInfo* out) {
-  out->set_version(version_);
-  out->set_api_minor(0);
-  for (const char* feature : {"city", "edits", "shot", "pfm", "telemetry"}) out->add_features(feature);
-  if (!gltf_root_.empty()) out->add_features("gltf");
-  out->set_device(device_.name);
-  out->set_driver(device_.driver);
-  out->set_cpu_device(device_.cpu);
-  out->add_codecs(v1::CODEC_JPEG);
-  auto& limits = *out->mutable_limits();
+                                                      const v1::GetServerInfoRequest* request, v1::ServerInfo* out) {
+  return unary(access_, *context, "WorldService.GetServerInfo", *request,
+               [&](const Caller& caller) { return describeServer(caller, *out); });
+}
+
+Outcome<void> WorldService::describeServer(const Caller& caller, v1::ServerInfo& out) {
+  out.set_version(version_);
+  out.set_api_minor(1);
+  for (const char* feature : {"city", "edits", "shot", "pfm", "telemetry", "tokens", "resume", "resolve"})
+    out.add_features(feature);
+  if (!gltf_root_.empty()) out.add_features("gltf");
+  out.set_device(device_.name);
+  out.set_driver(device_.driver);
+  out.set_cpu_device(device_.cpu);
+  out.add_codecs(v1::CODEC_JPEG);
+  auto& limits = *out.mutable_limits();
   limits.set_max_worlds(limits_.max_worlds);
   limits.set_max_viewers(limits_.max_viewers);
   limits.set_max_instances(limits_.world.max_instances);
@@ -90,12 +98,14 @@ grpc::ServerUnaryReactor* WorldService::GetServerInfo(grpc::CallbackServerContex
   limits.set_max_size(limits_.max_size);
   limits.set_max_fps(limits_.max_fps);
   limits.set_max_shot_samples(limits_.max_shot_samples);
-  return answer(context, {});
+  if (caller.token) *out.mutable_token() = toWire(*caller.token);
+  return {};
 }
 
 grpc::ServerUnaryReactor* WorldService::CreateWorld(grpc::CallbackServerContext* context,
                                                     const v1::CreateWorldRequest* request, v1::World* out) {
-  return answer(context, create(*request, *out));
+  return unary(access_, *context, "WorldService.CreateWorld", *request,
+               [&](const Caller&) { return create(*request, *out); });
 }
 
 Outcome<void> WorldService::create(const v1::CreateWorldRequest& request, v1::World& out) {
@@ -109,21 +119,26 @@ Outcome<void> WorldService::create(const v1::CreateWorldRequest& request, v1::Wo
 
 grpc::ServerUnaryReactor* WorldService::GetWorld(grpc::CallbackServerContext* context,
                                                  const v1::GetWorldRequest* request, v1::World* out) {
-  auto world = worlds_.find(request->world());
-  if (!world) return answer(context, world.error());
-  describe(**world, *out);
-  return answer(context, {});
+  return unary(access_, *context, "WorldService.GetWorld", *request, [&](const Caller&) -> Outcome<void> {
+    auto world = worlds_.find(request->world());
+    if (!world) return world.error();
+    describe(**world, *out);
+    return {};
+  });
 }
 
 grpc::ServerUnaryReactor* WorldService::ListWorlds(grpc::CallbackServerContext* context,
                                                    const v1::ListWorldsRequest* request, v1::ListWorldsResponse* out) {
-  return answer(context, list(*request, *out));
+  return unary(access_, *context, "WorldService.ListWorlds", *request,
+               [&](const Caller& caller) { return list(caller, *request, *out); });
 }
 
-Outcome<void> WorldService::list(const v1::ListWorldsRequest& request, v1::ListWorldsResponse& out) {
+Outcome<void> WorldService::list(const Caller& caller, const v1::ListWorldsRequest& request,
+                                 v1::ListWorldsResponse& out) {
   const auto size = pageSize(request.page_size(), 100, 1000);
   if (!size) return size.error();
   for (const auto& world : worlds_.list(request.page_token())) {
+    if (!caller.mayUse(world->name())) continue;
     if (uint32_t(out.worlds_size()) == *size) {
       out.set_next_page_token(out.worlds(out.worlds_size() - 1).world());
       break;
@@ -135,12 +150,14 @@ Outcome<void> WorldService::list(const v1::ListWorldsRequest& request, v1::ListW
 
 grpc::ServerUnaryReactor* WorldService::DeleteWorld(grpc::CallbackServerContext* context,
                                                     const v1::DeleteWorldRequest* request, v1::DeleteWorldResponse*) {
-  return answer(context, worlds_.remove(request->world()));
+  return unary(access_, *context, "WorldService.DeleteWorld", *request,
+               [&](const Caller&) { return worlds_.remove(request->world()); });
 }
 
 grpc::ServerUnaryReactor* WorldService::ApplyEdits(grpc::CallbackServerContext* context,
                                                    const v1::ApplyEditsRequest* request, v1::ApplyEditsResponse* out) {
-  return answer(context, edit(*request, *out));
+  return unary(access_, *context, "WorldService.ApplyEdits", *request,
+               [&](const Caller&) { return edit(*request, *out); });
 }
 
 Outcome<void> WorldService::edit(const v1::ApplyEditsRequest& request, v1::ApplyEditsResponse& out) {
@@ -172,7 +189,8 @@ Outcome<void> WorldService::edit(const v1::ApplyEditsRequest& request, v1::Apply
 grpc::ServerUnaryReactor* WorldService::QueryInstances(grpc::CallbackServerContext* context,
                                                        const v1::QueryInstancesRequest* request,
                                                        v1::QueryInstancesResponse* out) {
-  return answer(context, query(*request, *out));
+  return unary(access_, *context, "WorldService.QueryInstances", *request,
+               [&](const Caller&) { return query(*request, *out); });
 }
 
 Outcome<void> WorldService::query(const v1::QueryInstancesRequest& request, v1::QueryInstancesResponse& out) {
@@ -212,10 +230,24 @@ Outcome<void> WorldService::query(const v1::QueryInstancesRequest& request, v1::
   return {};
 }
 
+grpc::ServerUnaryReactor* WorldService::Resolve(grpc::CallbackServerContext* context, const v1::ResolveRequest* request,
+                                                v1::ResolveResponse* out) {
+  return unary(access_, *context, "WorldService.Resolve", *request, [&](const Caller&) -> Outcome<void> {
+    auto world = worlds_.find(request->world());
+    if (!world) return world.error();
+    if (auto here = (*world)->content(); !here && here.error().reason == v1::ERROR_REASON_FENCED) return here.error();
+    out->set_endpoint(advertise_);
+    out->set_epoch((*world)->epoch());
+    out->set_ttl(kResolveTtlSeconds);
+    return {};
+  });
+}
+
 grpc::ServerUnaryReactor* WorldService::ListPrefabs(grpc::CallbackServerContext* context,
                                                     const v1::ListPrefabsRequest* request,
                                                     v1::ListPrefabsResponse* out) {
-  return answer(context, prefabs(*request, *out));
+  return unary(access_, *context, "WorldService.ListPrefabs", *request,
+               [&](const Caller&) { return prefabs(*request, *out); });
 }
 
 Outcome<void> WorldService::prefabs(const v1::ListPrefabsRequest& request, v1::ListPrefabsResponse& out) {

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <string>
 
+#include "service/access_control.h"
 #include "service/limits.h"
 #include "service/world_registry.h"
 
@@ -13,8 +14,8 @@ namespace helio::service {
 
 class WorldService final : public v1::WorldService::CallbackService {
  public:
-  WorldService(WorldRegistry& worlds, const Limits& limits, std::filesystem::path gltf_root, std::string version,
-               render::DeviceInfo device);
+  WorldService(WorldRegistry& worlds, const AccessControl& access, const Limits& limits,
+               std::filesystem::path gltf_root, std::string version, std::string advertise, render::DeviceInfo device);
 
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext*, const v1::GetServerInfoRequest*,
                                           v1::ServerInfo*) override;
@@ -29,20 +30,25 @@ class WorldService final : public v1::WorldService::CallbackService {
                                        v1::ApplyEditsResponse*) override;
   grpc::ServerUnaryReactor* QueryInstances(grpc::CallbackServerContext*, const v1::QueryInstancesRequest*,
                                            v1::QueryInstancesResponse*) override;
+  grpc::ServerUnaryReactor* Resolve(grpc::CallbackServerContext*, const v1::ResolveRequest*,
+                                    v1::ResolveResponse*) override;
   grpc::ServerUnaryReactor* ListPrefabs(grpc::CallbackServerContext*, const v1::ListPrefabsRequest*,
                                         v1::ListPrefabsResponse*) override;
 
  private:
+  Outcome<void> describeServer(const Caller& caller, v1::ServerInfo& out);
   Outcome<void> create(const v1::CreateWorldRequest& request, v1::World& out);
-  Outcome<void> list(const v1::ListWorldsRequest& request, v1::ListWorldsResponse& out);
+  Outcome<void> list(const Caller& caller, const v1::ListWorldsRequest& request, v1::ListWorldsResponse& out);
   Outcome<void> edit(const v1::ApplyEditsRequest& request, v1::ApplyEditsResponse& out);
   Outcome<void> query(const v1::QueryInstancesRequest& request, v1::QueryInstancesResponse& out);
   Outcome<void> prefabs(const v1::ListPrefabsRequest& request, v1::ListPrefabsResponse& out);
 
   WorldRegistry& worlds_;
+  const AccessControl& access_;
   const Limits& limits_;
   const std::filesystem::path gltf_root_;
   const std::string version_;
+  const std::string advertise_;
   const render::DeviceInfo device_;
 };
 

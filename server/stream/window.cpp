@@ -23,8 +23,13 @@ bool AckWindow::acknowledged(uint64_t id, Clock::duration held, Clock::time_poin
   const Clock::duration round_trip = std::max(now - frame->sent - held, Clock::duration::zero());
   smallest_ = smallest_ ? std::min(*smallest_, round_trip) : round_trip;
   last_ = now;
+  last_round_trip_ = round_trip;
   flying_.erase(flying_.begin(), frame + 1);
   return true;
+}
+
+AckWindow::Clock::duration AckWindow::silence(Clock::time_point now) const {
+  return flying_.empty() ? Clock::duration::zero() : now - flying_.front().sent;
 }
 
 bool AckWindow::open(Clock::time_point now) const {

@@ -29,6 +29,10 @@ class AckWindow {
   uint32_t size() const;
   uint32_t unacknowledged() const { return static_cast<uint32_t>(flying_.size()); }
   std::optional<Clock::duration> smallestRoundTrip() const { return smallest_; }
+  /// Of the newest acknowledgement; zero: none yet.
+  Clock::duration lastRoundTrip() const { return last_round_trip_; }
+  /// How long the client has owed an acknowledgement; zero: it owes none.
+  Clock::duration silence(Clock::time_point now) const;
   std::optional<Clock::time_point> lastAcknowledged() const { return last_; }
 
  private:
@@ -41,6 +45,7 @@ class AckWindow {
   std::deque<Flying> flying_;  // never longer than size() was
   std::optional<Clock::duration> smallest_;
   std::optional<Clock::time_point> last_;
+  Clock::duration last_round_trip_{};
 };
 
 }  // namespace helio::stream

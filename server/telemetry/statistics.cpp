@@ -42,14 +42,17 @@ void EditLatency::arrived(uint64_t seq, Clock::time_point when) {
   if (waiting_.size() > kMostWaiting) waiting_.pop_front();
 }
 
-void EditLatency::shown(uint64_t applied_seq, Clock::time_point when) {
+std::vector<double> EditLatency::shown(uint64_t applied_seq, Clock::time_point when) {
   std::lock_guard lock(mutex_);
+  std::vector<double> now;
   while (!waiting_.empty() && waiting_.front().first <= applied_seq) {
-    measured_.push_back(milliseconds(when - waiting_.front().second));
+    now.push_back(milliseconds(when - waiting_.front().second));
+    measured_.push_back(now.back());
     if (measured_.size() > kMostMeasured) measured_.pop_front();
     ++measured_count_;
     waiting_.pop_front();
   }
+  return now;
 }
 
 std::pair<std::vector<double>, uint64_t> EditLatency::since(uint64_t index) const {

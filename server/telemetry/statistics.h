@@ -52,8 +52,9 @@ struct WorldCounters {
 class EditLatency {
  public:
   void arrived(uint64_t seq, Clock::time_point when);
-  /// A frame that shows every edit up to `applied_seq` goes out.
-  void shown(uint64_t applied_seq, Clock::time_point when);
+  /// A frame that shows every edit up to `applied_seq` goes out. Returns the milliseconds of those it is the first to
+  /// show.
+  std::vector<double> shown(uint64_t applied_seq, Clock::time_point when);
   /// Milliseconds measured since `index` (0 at first), oldest first, and the index to ask with next time. The newest
   /// 256 are kept.
   std::pair<std::vector<double>, uint64_t> since(uint64_t index) const;

@@ -152,6 +152,7 @@ void ServiceTest::serve(const std::function<void(service::ServerConfig&)>& adjus
   config.address = "127.0.0.1:0";
   config.version = "test";
   config.gltf_root = folder_;
+  config.limits.resume_seconds = 0;  // most tests look at what is freed when a viewer goes
   config.on_fatal = [](const Error& error) { ADD_FAILURE() << "fatal: " << error.message; };
   adjust(config);
   auto server = service::Server::start(std::move(config), renderer_, *log_);
