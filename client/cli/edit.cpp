@@ -15,6 +15,8 @@ struct EditOptions {
   float yaw = 0, scale = 1, radius = 0;
   double elevation = 60, azimuth = 150;
   uint64_t id = 0;
+  bool pause = false, resume = false;
+  std::optional<double> rate, seek;
   std::optional<uint64_t> expected_seq;
 };
 using Options = std::shared_ptr<EditOptions>;
@@ -65,7 +67,7 @@ CLI::App* addCommand(CLI::App& edit, Common& common, const Options& options, con
 }  // namespace
 
 void addEdit(CLI::App& app, Common& common) {
-  auto* edit = app.add_subcommand("edit", "Build, destroy, move, and set the sun.");
+  auto* edit = app.add_subcommand("edit", "Build, destroy, move, set the sun and the time.");
   edit->require_subcommand(1);
   edit->footer(R"(Examples:
   helio edit build city house_03 --at 10 0 25 --yaw 90
@@ -74,6 +76,8 @@ void addEdit(CLI::App& app, Common& common) {
   helio edit destroy-region city --at 10 25 --radius 40
   helio edit move city 1041 --at 12 0 25
   helio edit sun city --elevation 5 --azimuth 250
+  helio edit time city --pause
+  helio edit time city --resume --rate 0.25 --seek 3600
 Positions are metres, y up; angles are degrees. helio prefabs WORLD lists what can be built.)");
   const auto options = std::make_shared<EditOptions>();
 
@@ -131,6 +135,20 @@ Positions are metres, y up; angles are degrees. helio prefabs WORLD lists what c
     auto& daylight = *message.mutable_set_sun()->mutable_daylight();
     daylight.set_elevation(static_cast<float>(radians(options->elevation)));
     daylight.set_azimuth(static_cast<float>(radians(options->azimuth)));
+    send(common, *options, message);
+  });
+
+  auto* time = addCommand(*edit, common, options, "time", "Pause, resume, speed up or seek world time, for everybody.");
+  auto* pause = time->add_flag("--pause", options->pause, "everything that moves stands still");
+  time->add_flag("--resume", options->resume)->excludes(pause);
+  time->add_option("--rate", options->rate, "seconds of world time a second, [0, 100]");
+  time->add_option("--seek", options->seek, "world time in seconds, [0, 1e9]");
+  time->callback([&common, options] {
+    v1::Edit message;
+    auto& set = *message.mutable_set_time();
+    if (options->pause || options->resume) set.set_paused(options->pause);
+    if (options->rate) set.set_rate(*options->rate);
+    if (options->seek) set.set_seek(*options->seek);
     send(common, *options, message);
   });
 }

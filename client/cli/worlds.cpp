@@ -25,10 +25,16 @@ const char* nameOf(v1::WorldState state) {
 Json vec(const v1::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
 Json describe(const v1::World& world) {
-  Json out = {{"world", world.world()},     {"state", nameOf(world.state())},
-              {"source", world.source()},   {"instances", world.instances()},
-              {"seq", world.seq()},         {"epoch", world.epoch()},
-              {"viewers", world.viewers()}, {"time", world.time()}};
+  Json out = {{"world", world.world()},
+              {"state", nameOf(world.state())},
+              {"source", world.source()},
+              {"instances", world.instances()},
+              {"seq", world.seq()},
+              {"epoch", world.epoch()},
+              {"viewers", world.viewers()},
+              {"time", world.time()},
+              {"time_rate", world.time_rate()},
+              {"time_paused", world.time_paused()}};
   if (!world.error().empty()) out["error"] = world.error();
   if (world.has_bounds()) out["bounds"] = {{"min", vec(world.bounds().min())}, {"max", vec(world.bounds().max())}};
   Json cameras = Json::array();

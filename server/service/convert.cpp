@@ -148,11 +148,20 @@ Outcome<world::Edit> edit(const v1::Edit& message, const std::string& name) {
     }
     case v1::Edit::kSetSun:
       return setSun(message.set_sun(), name + ".set_sun");
+    case v1::Edit::kSetTime: {
+      const auto& time = message.set_time();
+      world::SetTime set;
+      if (time.has_paused()) set.paused = time.paused();
+      if (time.has_rate()) set.rate = time.rate();
+      if (time.has_seek()) set.seek = time.seek();
+      return world::Edit{set};
+    }
     case v1::Edit::KIND_NOT_SET:
       break;
   }
   // Perhaps a newer client's kind of edit: never acknowledge what is not done.
-  return outOfRange(name, "of no kind that this server knows", "build, destroy, destroy_region, move, set_sun");
+  return outOfRange(name, "of no kind that this server knows",
+                    "build, destroy, destroy_region, move, set_sun, set_time");
 }
 
 v1::Vec3 vec(const glm::vec3& v) {

@@ -42,7 +42,10 @@ void describe(HostedWorld& world, v1::World& out) {
   out.set_seq((*content)->seq());
   out.set_epoch(world.epoch());
   out.set_viewers(world.viewers());
-  out.set_time((*content)->time());
+  const world::Clock clock = (*content)->clock();
+  out.set_time(clock.time);
+  out.set_time_rate(clock.rate);
+  out.set_time_paused(clock.paused);
   *out.mutable_bounds() = toWire(scene.bounds());
   for (const auto& named : scene.cameras) {
     auto& camera = *out.add_cameras();
@@ -80,7 +83,7 @@ grpc::ServerUnaryReactor* WorldService::GetServerInfo(grpc::CallbackServerContex
 Outcome<void> WorldService::describeServer(const Caller& caller, v1::ServerInfo& out) {
   out.set_version(version_);
   out.set_api_minor(1);
-  for (const char* feature : {"city", "edits", "shot", "pfm", "telemetry", "tokens", "resume", "resolve"})
+  for (const char* feature : {"city", "edits", "time", "shot", "pfm", "telemetry", "tokens", "resume", "resolve"})
     out.add_features(feature);
   if (!gltf_root_.empty()) out.add_features("gltf");
   out.set_device(device_.name);

@@ -43,6 +43,11 @@ class Writer {
     vector(e.sky.zenith);
     vector(e.sky.ground);
   }
+  void clock(const Clock& c) {
+    real(c.time);
+    real(c.rate);
+    integer(uint8_t{c.paused});
+  }
   void reserve(size_t more) { bytes_.reserve(bytes_.size() + more); }
   std::string take() { return std::move(bytes_); }
 
@@ -99,6 +104,16 @@ class Reader {
     e.sky.zenith = vector();
     e.sky.ground = vector();
     return e;
+  }
+  /// A pause that is neither 0 nor 1 fails.
+  Clock clock() {
+    Clock c;
+    c.time = realDouble();
+    c.rate = realDouble();
+    const auto paused = integer<uint8_t>();
+    failed_ |= paused > 1;
+    c.paused = paused == 1;
+    return c;
   }
   /// A count of entries of at least `entry_bytes` each. One that the rest of the input cannot hold fails.
   uint32_t count(size_t entry_bytes) {

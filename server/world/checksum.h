@@ -47,4 +47,12 @@ inline uint64_t hashOf(const scene::Environment& e) {
       .value();
 }
 
+/// While it runs, its time is nothing that two worlds could have in common.
+inline uint64_t hashOf(const Clock& c) {
+  Hash hash;
+  hash.add(std::bit_cast<uint64_t>(c.rate)).add(uint64_t{c.paused});
+  if (c.paused) hash.add(std::bit_cast<uint64_t>(c.time));
+  return hash.value();
+}
+
 }  // namespace helio::world

@@ -1,11 +1,16 @@
 // The log's bytes of a batch. Little-endian, no padding, one encoding for each batch:
 //
-//   u8 version (1), u64 tick, f64 time, u32 edits, then for every edit: u8 kind and
+//   u8 version, u64 tick, f64 time, u32 edits, then for every edit: u8 kind and
 //     1 build        u32 prefab, u64 first id, u32 poses, poses
 //     2 destroy      u32 ids, u64 each
 //     3 move         u64 id, pose
 //     4 environment  sun (direction, irradiance, angular diameter), sky (zenith, ground)
+//     5 time         f64 time, f64 rate, u8 paused
 //   pose: f32 position x y z, rotation x y z w, scale
+//
+// The version is 1, or 2 where there is an edit of kind 5: who knows version 1 alone reads whatever it can understand.
+#include <algorithm>
+
 #include <spdlog/fmt/fmt.h>
 
 #include "world/bytes.h"
@@ -14,9 +19,9 @@
 namespace helio::world {
 namespace {
 
-constexpr uint8_t kVersion = 1;
-enum class Kind : uint8_t { build = 1, destroy = 2, move = 3, environment = 4 };
-static_assert(std::variant_size_v<ResolvedEdit> == 4, "a new kind of edit needs its own number here");
+constexpr uint8_t kVersion = 2;
+enum class Kind : uint8_t { build = 1, destroy = 2, move = 3, environment = 4, time = 5 };
+static_assert(std::variant_size_v<ResolvedEdit> == 5, "a new kind of edit needs its own number here");
 
 constexpr size_t kSmallestEditBytes = sizeof(Kind) + sizeof(uint32_t);  // a destroy of nothing
 
@@ -47,6 +52,16 @@ void write(Writer& out, const ResolvedMove& move) {
 void write(Writer& out, const ResolvedEnvironment& change) {
   kind(out, Kind::environment);
   out.environment(change.environment);
+}
+
+void write(Writer& out, const ResolvedTime& change) {
+  kind(out, Kind::time);
+  out.clock(change.clock);
+}
+
+uint8_t versionOf(const Batch& batch) {
+  const auto is_newer = [](const ResolvedEdit& edit) { return std::holds_alternative<ResolvedTime>(edit); };
+  return std::any_of(batch.edits.begin(), batch.edits.end(), is_newer) ? 2 : 1;
 }
 
 ResolvedBuild readBuild(Reader& in) {
@@ -84,7 +99,7 @@ Error malformed(size_t position, std::string value, const std::string& why) {
 
 std::string encode(const Batch& batch) {
   Writer out;
-  out.integer(kVersion);
+  out.integer(versionOf(batch));
   out.integer(batch.tick);
   out.real(batch.time);
   out.integer(static_cast<uint32_t>(batch.edits.size()));
@@ -104,9 +119,7 @@ Result<Batch> decode(std::span<const std::byte> bytes) {
         fmt::format("batch: version {}, this server knows versions up to {}: start the newer one", version, kVersion),
         "batch", fmt::format("{}", version), fmt::format("{}", kVersion)};
   }
-  if (version != kVersion) {
-    return malformed(0, fmt::format("{}", version), fmt::format("version {} instead of {}", version, kVersion));
-  }
+  if (version == 0) return malformed(0, "0", "version 0");
   Batch batch;
   batch.tick = in.integer<uint64_t>();
   batch.time = in.realDouble();
@@ -128,6 +141,9 @@ Result<Batch> decode(std::span<const std::byte> bytes) {
       case Kind::environment:
         batch.edits.push_back(ResolvedEnvironment{in.environment()});
         break;
+      case Kind::time:
+        batch.edits.push_back(ResolvedTime{in.clock()});
+        break;
       default:
         return malformed(start, fmt::format("{}", kind), fmt::format("edit of unknown kind {}", kind));
     }
@@ -137,6 +153,9 @@ Result<Batch> decode(std::span<const std::byte> bytes) {
     return malformed(in.position(), fmt::format("{} bytes", in.remaining()),
                      fmt::format("{} bytes too many", in.remaining()));
   }
+  if (version != versionOf(batch))
+    return malformed(0, fmt::format("{}", version),
+                     fmt::format("version {} where its edits make it {}", version, versionOf(batch)));
   return batch;
 }
 

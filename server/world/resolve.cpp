@@ -139,6 +139,19 @@ Result<ResolvedEdit> Resolver::resolveEdit(const SetSun& set, const std::string&
   return ResolvedEdit(ResolvedEnvironment{present_.environment});
 }
 
+Result<ResolvedEdit> Resolver::resolveEdit(const SetTime& set, const std::string& path) {
+  const std::string field = path + ".set_time";
+  if (!set.paused && !set.rate && !set.seek)
+    return invalid(field, "empty", field + " is empty: give paused, rate or seek");
+  Clock clock = present_.clock;
+  clock.paused = set.paused.value_or(clock.paused);
+  clock.rate = set.rate.value_or(clock.rate);
+  clock.time = set.seek.value_or(clock.time);
+  if (auto valid = checkClock(clock); !valid) return at(field, valid.error());
+  present_.clock = clock;
+  return ResolvedEdit(ResolvedTime{clock});
+}
+
 Result<const Instance*> Resolver::changeable(InstanceId id, const std::string& field) const {
   const std::string value = fmt::format("{}", id);
   if (destroyed_.count(id) != 0)

@@ -19,6 +19,7 @@ struct Present {
   const Limits& limits;
   const InstanceTable& table;
   scene::Environment environment;
+  Clock clock;
   InstanceId next_id;
 };
 
@@ -35,6 +36,7 @@ class Resolver {
   Result<ResolvedEdit> resolveEdit(const DestroyRegion& region, const std::string& path);
   Result<ResolvedEdit> resolveEdit(const Move& move, const std::string& path);
   Result<ResolvedEdit> resolveEdit(const SetSun& set, const std::string& path);
+  Result<ResolvedEdit> resolveEdit(const SetTime& set, const std::string& path);
 
   /// The instance of an id that users may change, as it was before the batch. Errors: not_found, invalid.
   Result<const Instance*> changeable(InstanceId id, const std::string& field) const;

@@ -1,10 +1,11 @@
 // A world as bytes. The base scene is not in them: it is known by the manifest, and most of it is as it was.
 // Little-endian:
 //
-//   u8 version (1), u64 seq, u64 tick, f64 time, u64 instances of the base scene, u64 next id, environment,
+//   u8 version (2), u64 seq, u64 tick, clock, u64 instances of the base scene, u64 next id, environment,
 //   u32 destroyed, u64 id each           of the base scene
 //   u32 placed, then each                what was built, and what was moved
 //     u64 id, u32 prefab, f32 transform  columns x, y, z axes and translation
+//   clock: f64 time, f64 rate, u8 paused (version 1: the time alone)
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
@@ -20,12 +21,12 @@
 namespace helio::world {
 namespace {
 
-constexpr uint8_t kVersion = 1;
+constexpr uint8_t kVersion = 2;
 constexpr size_t kInstanceBytes = sizeof(InstanceId) + sizeof(uint32_t) + kTransformBytes;
 
 struct Contents {
   uint64_t seq = 0, tick = 0;
-  double time = 0.0;
+  Clock clock;
   uint64_t base_instances = 0;
   InstanceId next_id = 0;
   scene::Environment environment;
@@ -42,7 +43,7 @@ std::string encode(const Contents& contents) {
   out.integer(kVersion);
   out.integer(contents.seq);
   out.integer(contents.tick);
-  out.real(contents.time);
+  out.clock(contents.clock);
   out.integer(contents.base_instances);
   out.integer(contents.next_id);
   out.environment(contents.environment);
@@ -66,11 +67,12 @@ Result<Contents> decode(const std::string& bytes) {
                  fmt::format("snapshot: version {}, this server knows versions up to {}: start the newer one", version,
                              kVersion),
                  "snapshot", fmt::format("{}", version), fmt::format("{}", kVersion)};
-  if (in.failed() || version != kVersion) return damaged("it has no version");
+  if (in.failed() || version == 0) return damaged("it has no version");
   Contents contents;
   contents.seq = in.integer<uint64_t>();
   contents.tick = in.integer<uint64_t>();
-  contents.time = in.realDouble();
+  if (version == 1) contents.clock.time = in.realDouble();
+  else contents.clock = in.clock();
   contents.base_instances = in.integer<uint64_t>();
   contents.next_id = in.integer<InstanceId>();
   contents.environment = in.environment();
@@ -99,7 +101,7 @@ Result<void> check(const Contents& contents, const scene::Scene& scene) {
   if (contents.base_instances != base)
     return damaged(
         fmt::format("it was made of a scene of {} instances, this one has {}", contents.base_instances, base));
-  if (!std::isfinite(contents.time) || contents.time < 0) return damaged("its clock is wrong");
+  if (const auto clock = checkClock(contents.clock); !clock) return damaged("its clock: " + clock.error().message);
   if (const auto sun = checkedSun(contents.environment.sun); !sun) return damaged("its sun: " + sun.error().message);
 
   std::unordered_set<InstanceId> named;
@@ -122,7 +124,7 @@ Saved World::save() const {
   Contents contents;
   contents.seq = seq_;
   contents.tick = tick_;
-  contents.time = time_;
+  contents.clock = clock_;
   contents.base_instances = scene_->placements.size();
   contents.next_id = next_id_;
   contents.environment = environment_;
@@ -160,13 +162,13 @@ Result<void> World::restore(const Saved& saved) {
   next_id_ = contents->next_id;
   seq_ = contents->seq;
   tick_ = contents->tick;
-  time_ = contents->time;
+  clock_ = contents->clock;
   return {};
 }
 
 uint64_t World::checksum() const {
   const std::lock_guard lock(mutex_);
-  return Hash().add(table_->checksum()).add(hashOf(environment_)).add(next_id_).value();
+  return Hash().add(table_->checksum()).add(hashOf(environment_)).add(hashOf(clock_)).add(next_id_).value();
 }
 
 }  // namespace helio::world

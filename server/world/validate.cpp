@@ -9,6 +9,8 @@ namespace {
 
 constexpr float kMaxScale = 1000.0f;
 constexpr float kMaxAngularDiameter = 0.5f;
+constexpr double kMaxTime = 1e9;  // seconds, 31 years: a double still has steps of 0.1 microseconds there
+constexpr double kMaxRate = 100.0;
 constexpr double kMinLength = 1e-12;  // of a quaternion or a direction: below it there is nothing to normalise
 
 bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -71,6 +73,17 @@ Result<scene::Sun> checkedSun(const scene::Sun& sun) {
   scene::Sun checked = sun;
   checked.direction = glm::vec3(glm::dvec3(sun.direction) / length);
   return checked;
+}
+
+Result<void> checkClock(const Clock& clock) {
+  if (!(clock.time >= 0.0 && clock.time <= kMaxTime))
+    return wrong("seek", fmt::format("{}", clock.time), fmt::format("world time must lie in [0, {}] seconds", kMaxTime),
+                 fmt::format("{}", kMaxTime));
+  if (!(clock.rate >= 0.0 && clock.rate <= kMaxRate))
+    return wrong("rate", fmt::format("{}", clock.rate),
+                 fmt::format("it must lie in [0, {}] seconds of world time a second", kMaxRate),
+                 fmt::format("{}", kMaxRate));
+  return {};
 }
 
 }  // namespace helio::world

@@ -22,4 +22,7 @@ Result<Pose> checkedPose(const Pose& pose, float max_coordinate);
 /// negative irradiance, an angular diameter outside (0, 0.5].
 Result<scene::Sun> checkedSun(const scene::Sun& sun);
 
+/// Errors (invalid): a time outside [0, 1e9] s, a rate outside [0, 100], numbers that are not finite.
+Result<void> checkClock(const Clock& clock);
+
 }  // namespace helio::world

@@ -35,10 +35,10 @@ World::~World() = default;
 
 Result<Batch> World::resolve(std::span<const Edit> edits) const {
   const std::lock_guard lock(mutex_);
-  auto batch = Resolver({*scene_, prefab_by_name_, limits_, *table_, environment_, next_id_}).resolve(edits);
+  auto batch = Resolver({*scene_, prefab_by_name_, limits_, *table_, environment_, clock_, next_id_}).resolve(edits);
   if (batch) {
     batch->tick = tick_;
-    batch->time = time_;
+    batch->time = clock_.time;
   }
   return batch;
 }
@@ -52,12 +52,13 @@ Result<void> World::apply(uint64_t seq, const Batch& batch) {
   }
   if (Result<void> applicable = checkApplicable(batch); !applicable) return applicable;
 
+  // The clock first: an edit of the batch may set it back.
+  tick_ = std::max(tick_, batch.tick);
+  if (std::isfinite(batch.time)) clock_.time = std::max(clock_.time, batch.time);
   for (const ResolvedEdit& edit : batch.edits) {
     std::visit([this](const auto& resolved) { commit(resolved); }, edit);
   }
   seq_ = seq;
-  tick_ = std::max(tick_, batch.tick);
-  if (std::isfinite(batch.time)) time_ = std::max(time_, batch.time);
   return {};
 }
 
@@ -109,6 +110,8 @@ Result<void> World::checkApplicable(const Batch& batch) const {
           continue;
         return at(path + ".sky", invalid("", "", "has a radiance that is negative or not finite"));
       }
+    } else if (const auto* time = std::get_if<ResolvedTime>(&batch.edits[i])) {
+      if (auto valid = checkClock(time->clock); !valid) return at(path, valid.error());
     }
   }
   return {};
@@ -129,14 +132,16 @@ void World::commit(const ResolvedEnvironment& change) {
   environment_changed_ = true;
 }
 
+void World::commit(const ResolvedTime& change) { clock_ = change.clock; }
+
 ChangeSet World::beginTick(double seconds) {
   const std::lock_guard lock(mutex_);
-  if (std::isfinite(seconds) && seconds > 0.0) time_ += seconds;
+  if (std::isfinite(seconds) && seconds > 0.0 && !clock_.paused) clock_.time += clock_.rate * seconds;
 
   ChangeSet changes;
   changes.tick = ++tick_;
   changes.applied_seq = seq_;
-  changes.time = time_;
+  changes.time = clock_.time;
   changes.slots = table_->takeDirty();
   changes.environment = environment_;
   changes.environment_changed = std::exchange(environment_changed_, false);
@@ -144,9 +149,11 @@ ChangeSet World::beginTick(double seconds) {
   return changes;
 }
 
-double World::time() const {
+double World::time() const { return clock().time; }
+
+Clock World::clock() const {
   const std::lock_guard lock(mutex_);
-  return time_;
+  return clock_;
 }
 
 uint64_t World::seq() const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -52,7 +53,20 @@ struct SetSun {
   scene::Sun sun;
   bool daylight = true;  ///< also set the sky that goes with the sun's elevation
 };
-using Edit = std::variant<Build, Destroy, DestroyRegion, Move, SetSun>;
+/// Changes how world time runs; what is not given stays as it is, and something must be given.
+struct SetTime {
+  std::optional<bool> paused;
+  std::optional<double> rate;  ///< seconds of world time a second, [0, 100]
+  std::optional<double> seek;  ///< the new world time in seconds, [0, 1e9]
+};
+using Edit = std::variant<Build, Destroy, DestroyRegion, Move, SetSun, SetTime>;
+
+/// World time and how it runs. What moves is a function of `time` and of the instance alone.
+struct Clock {
+  double time = 0.0;  ///< seconds, 0 or more
+  double rate = 1.0;  ///< seconds of world time a second, while it is not paused
+  bool paused = false;
+};
 
 // Resolved edits: what the log holds. Applying them needs no decision any more.
 struct ResolvedBuild {
@@ -70,12 +84,16 @@ struct ResolvedMove {
 struct ResolvedEnvironment {
   scene::Environment environment;
 };
-using ResolvedEdit = std::variant<ResolvedBuild, ResolvedDestroy, ResolvedMove, ResolvedEnvironment>;
+/// The whole clock, as it is from this edit on.
+struct ResolvedTime {
+  Clock clock;
+};
+using ResolvedEdit = std::variant<ResolvedBuild, ResolvedDestroy, ResolvedMove, ResolvedEnvironment, ResolvedTime>;
 
 struct Batch {
   std::vector<ResolvedEdit> edits;
   uint64_t tick = 0;  ///< the world's clock when it was resolved: replaying the batch sets the clock no earlier
-  double time = 0.0;  ///< seconds
+  double time = 0.0;  ///< seconds: world time when it was resolved
 };
 
 /// The log's bytes of a batch (versioned, little-endian), and back. Errors: truncated, unknown kind (damaged), a newer
@@ -152,8 +170,9 @@ class World {
   /// never writes).
   Result<void> apply(uint64_t seq, const Batch& batch);
 
-  /// Advances the clock by `seconds` (less than 0 or not finite counts as 0) and hands out what changed since the last
-  /// call. Costs what changed, not what exists; the first call hands out everything.
+  /// Advances the clock by `seconds` at its rate, if it is not paused (less than 0 or not finite counts as 0), and
+  /// hands out what changed since the last call. Costs what changed, not what exists; the first call hands out
+  /// everything.
   ChangeSet beginTick(double seconds);
 
   /// Everything that edits and the clock made of the base scene. Costs a look at every instance, under the mutex: some
@@ -164,11 +183,12 @@ class World {
   /// (unsupported).
   Result<void> restore(const Saved& saved);
 
-  /// Equal for worlds whose instances, light and next id are equal, and for no others but by chance (one in 2^64); the
-  /// history, the clock and the slots do not matter.
+  /// Equal for worlds whose instances, light, next id, rate and pause (and time, while paused) are equal, and for no
+  /// others but by chance (one in 2^64); the history, the running clock and the slots do not matter.
   uint64_t checksum() const;
 
-  double time() const;   ///< the clock, seconds
+  double time() const;  ///< the clock's time, seconds
+  Clock clock() const;
   uint64_t seq() const;  ///< of the newest applied batch; 0 = none
   uint64_t instanceCount() const;
   std::vector<uint32_t> prefabCounts() const;  ///< live instances by prefab
@@ -182,6 +202,7 @@ class World {
   void commit(const ResolvedDestroy& destroy);
   void commit(const ResolvedMove& move);
   void commit(const ResolvedEnvironment& change);
+  void commit(const ResolvedTime& change);
 
   const scene::ScenePtr scene_;
   const Limits limits_;
@@ -194,7 +215,7 @@ class World {
   InstanceId next_id_ = 1;
   uint64_t seq_ = 0;
   uint64_t tick_ = 0;
-  double time_ = 0.0;
+  Clock clock_;
 };
 
 }  // namespace helio::world

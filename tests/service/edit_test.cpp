@@ -162,6 +162,8 @@ TEST_F(EditTest, EditsThatAreNone) {
       {"edits[0].build.placements", [](auto& r) { r.mutable_edits(0)->mutable_build()->clear_placements(); }},
       {"edits[0].move.placement", [](auto& r) { r.mutable_edits(0)->mutable_move()->add_placement(1); }},
       {"edits[0].set_sun", [](auto& r) { r.mutable_edits(0)->mutable_set_sun(); }},
+      {"edits[0].set_time", [](auto& r) { r.mutable_edits(0)->mutable_set_time(); }},
+      {"edits[0].set_time.rate", [](auto& r) { r.mutable_edits(0)->mutable_set_time()->set_rate(-1.0); }},
       {"edits[0].set_sun.daylight.elevation",
        [](auto& r) { r.mutable_edits(0)->mutable_set_sun()->mutable_daylight()->set_elevation(std::nanf("")); }},
   };

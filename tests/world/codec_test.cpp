@@ -15,7 +15,7 @@ Batch everyKind() {
   Pose turned{{1, -2, 3.5f}, glm::quat(0.5f, -0.5f, 0.5f, 0.5f), 0.25f};
   scene::Environment environment{{{0, -1, 0}, {1, 2, 3}, 0.4f}, {{4, 5, 6}, {7, 8, 9}}};
   return {{ResolvedBuild{kHouse, 5, {turned, {}}}, ResolvedDestroy{{2, 5}}, ResolvedDestroy{}, ResolvedMove{3, turned},
-           ResolvedEnvironment{environment}},
+           ResolvedEnvironment{environment}, ResolvedTime{{12.5, 0.25, true}}},
           17,
           2.5};
 }
@@ -41,6 +41,19 @@ TEST(Codec, RoundTrips) {
   EXPECT_EQ(environment.sun.angular_diameter, 0.4f);
   EXPECT_EQ(environment.sky.zenith, glm::vec3(4, 5, 6));
   EXPECT_EQ(environment.sky.ground, glm::vec3(7, 8, 9));
+  const Clock& clock = std::get<ResolvedTime>(again->edits[5]).clock;
+  EXPECT_EQ(clock.time, 12.5);
+  EXPECT_EQ(clock.rate, 0.25);
+  EXPECT_TRUE(clock.paused);
+}
+
+TEST(Codec, TheVersionIsTheLowestThatHoldsTheEdits) {
+  const std::string old_kinds = encode({{ResolvedDestroy{{7}}}, 1, 0.5});
+  const std::string with_time = encode({{ResolvedTime{{0.5, 1.0, false}}}, 1, 0.5});
+  EXPECT_EQ(old_kinds[0], 1);
+  EXPECT_EQ(with_time[0], 2);
+  EXPECT_EQ(decode(bytesOf("\x02" + old_kinds.substr(1))).error().kind, ErrorKind::damaged);
+  EXPECT_EQ(decode(bytesOf("\x01" + with_time.substr(1))).error().kind, ErrorKind::damaged);
 }
 
 TEST(Codec, BytesAreWhatTheFormatSays) {
@@ -91,9 +104,9 @@ TEST(Codec, NamesWhatIsWrong) {
   const std::string good = encode(everyKind());
   const auto messageOf = [](const std::string& bytes) { return decode(bytesOf(bytes)).error().message; };
   EXPECT_THAT(messageOf(good + '\0'), HasSubstr("1 bytes too many"));
-  EXPECT_THAT(messageOf("\x07" + good.substr(1)), HasSubstr("version 7, this server knows versions up to 1"));
+  EXPECT_THAT(messageOf("\x07" + good.substr(1)), HasSubstr("version 7, this server knows versions up to 2"));
   EXPECT_EQ(decode(bytesOf("\x07" + good.substr(1))).error().kind, ErrorKind::unsupported);
-  EXPECT_THAT(messageOf(std::string(1, '\0') + good.substr(1)), HasSubstr("version 0 instead of 1"));
+  EXPECT_THAT(messageOf(std::string(1, '\0') + good.substr(1)), HasSubstr("version 0"));
   EXPECT_THAT(messageOf("\x01" + kClock + std::string("\x01\x00\x00\x00\x09\x00\x00\x00\x00", 9)),
               HasSubstr("unknown kind 9 at byte 21"));
   EXPECT_THAT(messageOf(good.substr(0, good.size() - 1)), HasSubstr("truncated"));
