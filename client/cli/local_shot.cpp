@@ -1,6 +1,7 @@
 // helio shot --local: the renderer without a server.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cli/progress.h"
 #include "cli/shot.h"
@@ -28,7 +29,7 @@ scene::ScenePtr follow(const std::string& file, ShotOptions& options) {
 
 scene::ScenePtr load(const ShotOptions& options) {
   if ((options.city != 0) == !options.gltf.empty()) throw Stop{"--local needs either --city INSTANCES or --gltf FILE"};
-  if (options.city != 0) return get(scene::generateCity({options.seed, options.city}));
+  if (options.city != 0) return get(scene::generateCity({options.seed, options.city, options.animated}));
   return get(scene::loadGltf(options.gltf));
 }
 
@@ -110,8 +111,9 @@ ShotResult shootLocally(ShotOptions options) {
   ShotResult result;
   render::Frame frame;
   ProgressBar bar("rendering");
+  double advance = options.time;  // then the world stands still
   do {
-    auto changes = world.beginTick(0);
+    auto changes = world.beginTick(std::exchange(advance, 0.0));
     changes.environment = view.light;
     const render::ViewRequest request{id, view.camera, settings};
     frame = std::move(get(renderer->tick(handle, changes, {&request, 1})).front());

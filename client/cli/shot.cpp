@@ -91,6 +91,7 @@ void addShot(CLI::App& app, Common& common) {
   helio shot city --camera high_above --out above.png
   helio shot city --position 0 20 60 --target 0 5 0 --size 1280x720 --spp 256 --out city.jpg
   helio shot --local --city 10000 --camera city_at_sunset --spp 64 --out sunset.png
+  helio shot --local --city 1000 --animated 400 --camera animated_models --time 12.5 --out walkers.png
   helio shot --local --gltf model.glb --spp 1024 --out radiance.pfm
   helio shot --local --spec cornell.json --spp 256 --fixed-exposure --out cornell.pfm
   helio shot city --camera forest --materials normals --out normals.png
@@ -121,6 +122,11 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
   shot->add_flag("--local", options->local, "render here, without a server");
   shot->add_option("--city", options->city, "--local: a city of so many instances");
   shot->add_option("--seed", options->seed, "--local: of the city")->capture_default_str();
+  shot->add_option("--animated", options->animated, "--local: moving units of the city, 0 to 10,000")
+      ->capture_default_str();
+  shot->add_option("--time", options->time, "--local: the world's time in seconds, at which everything stands")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1e9));
   shot->add_option("--gltf", options->gltf, "--local: a glTF file");
   auto* spec =
       shot->add_option("--spec", options->spec,

@@ -23,7 +23,8 @@ struct ShotOptions {
   int quality = 90;
   // --local only
   bool local = false, validation = false;
-  uint32_t city = 0;
+  uint32_t city = 0, animated = 0;
+  double time = 0;  ///< of the world, seconds
   uint64_t seed = 1;
   std::string gltf, spec, device;
   std::optional<double> sun_elevation;

@@ -68,7 +68,7 @@ void show(const Common& common, const v1::World& world) {
 
 struct CreateOptions {
   std::string name, gltf;
-  uint32_t city = 0;
+  uint32_t city = 0, animated = 0;
   uint64_t seed = 1;
   bool no_wait = false;
 };
@@ -81,6 +81,7 @@ void create(const Common& common, const CreateOptions& options) {
   if (options.city != 0) {
     request.mutable_city()->set_instances(options.city);
     request.mutable_city()->set_seed(options.seed);
+    request.mutable_city()->set_animated(options.animated);
   } else {
     request.mutable_gltf()->set_path(options.gltf);
   }
@@ -123,6 +124,7 @@ void addWorlds(CLI::App& app, Common& common) {
   make->add_option("name", options->name, "its name; the server chooses one when there is none");
   make->add_option("--city", options->city, "a city of so many instances, 1,000 to 1,000,000");
   make->add_option("--seed", options->seed, "of the city")->capture_default_str();
+  make->add_option("--animated", options->animated, "moving units of the city, 0 to 10,000")->capture_default_str();
   make->add_option("--gltf", options->gltf, "a glTF file, relative to the server's glTF folder");
   make->add_flag("--no-wait", options->no_wait, "do not wait until it is loaded");
   make->callback([&common, options] { create(common, *options); });

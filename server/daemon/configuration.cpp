@@ -142,6 +142,7 @@ void addServing(CLI::App& app, Configuration& c, uint64_t& synthetic_frame_us) {
                "end at the first sample that is not finite, or negative, with a line that says where it was");
   flags.value("city", c.city.instances, "make a city of so many instances at the start, 1,000 to 1,000,000");
   flags.value("seed", c.city.seed, "of that city");
+  flags.value("animated", c.city.animated, "moving units of that city, 0 to 10,000");
   flags.value("world-name", c.city_name, "of that city");
   flags.value("log-level", c.log_level, "trace, debug, info, warn, error")
       ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}));

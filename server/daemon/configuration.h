@@ -19,7 +19,7 @@ struct Configuration {
   std::string renderer = "vulkan";
   render::RendererOptions device;
   service::SyntheticOptions synthetic;
-  scene::CityParameters city{1, 0};  ///< 0 instances: none
+  scene::CityParameters city{1, 0, 0};  ///< 0 instances: none
   std::string city_name = "city";
   std::string log_folder;  ///< empty: worlds live in memory
   std::string port_file;

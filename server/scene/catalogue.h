@@ -38,10 +38,17 @@ struct Catalogue {
   uint32_t fountain = 0, well = 0, statue = 0, bench = 0, planter = 0, barrel = 0, crates = 0, cart = 0, hay_bale = 0,
            signpost = 0;
   std::vector<uint32_t> stalls;
+  std::vector<Rig> rigs;
+  std::vector<uint32_t> walkers, vehicles;
+  uint32_t turning_mill = 0;
+  std::vector<uint32_t> fitted;  ///< by prefab: the same building fitted to the ground, or kNone
   uint32_t hedge = 0, fence = 0, stone_wall = 0, bush = 0;
 
   /// Adds a mesh and its prefab; returns the prefab's index.
   uint32_t add(Mesh mesh, std::string category, bool buildable = true);
+  /// Adds a mesh with its rig, whose first clip it plays where it stands; its bounds become those of all clips.
+  uint32_t addRigged(Mesh mesh, std::string category, Rig rig);
+  uint32_t fittedTo(uint32_t prefab) const { return prefab < fitted.size() ? fitted[prefab] : kNone; }
   const Aabb& bounds(uint32_t prefab) const { return meshes[prefabs[prefab].mesh].bounds; }
 };
 
@@ -49,6 +56,10 @@ void addHouses(Catalogue& catalogue);
 void addLandmarks(Catalogue& catalogue);
 void addNature(Catalogue& catalogue);
 void addProps(Catalogue& catalogue);
+void addWalkers(Catalogue& catalogue);
+void addVehicles(Catalogue& catalogue);
+/// Farm houses once more, fitted to the ground.
+void addFittedHouses(Catalogue& catalogue);
 
 Catalogue makeCatalogue();
 

@@ -7,12 +7,13 @@
 #include "scene/city_cameras.h"
 #include "scene/city_furnish.h"
 #include "scene/city_plan.h"
+#include "scene/city_units.h"
 #include "scene/triangle_order.h"
 
 namespace helio::scene {
 namespace {
 
-constexpr uint32_t kFewestInstances = 1'000, kMostInstances = 1'000'000;
+constexpr uint32_t kFewestInstances = 1'000, kMostInstances = 1'000'000, kMostAnimated = 10'000;
 
 /// Interleaves the bits of two cell coordinates: near in the plane, near in the order.
 uint64_t mortonCode(uint32_t x, uint32_t z) {
@@ -50,22 +51,35 @@ Result<ScenePtr> generateCity(const CityParameters& parameters) {
     error.limit = "1000..1000000";
     return error;
   }
+  if (parameters.animated > kMostAnimated) {
+    Error error = invalid("animated", std::to_string(parameters.animated),
+                          "animated is " + std::to_string(parameters.animated) + ": ask for 0 to 10000");
+    error.limit = "0..10000";
+    return error;
+  }
   Catalogue catalogue = makeCatalogue();
   const CityPlan plan = planCity(parameters, catalogue.palette);
   Ground ground = buildGround(plan, catalogue.palette);
-  const Furnishing furnishing = furnish(plan, catalogue, parameters.instances - ground.meshes.size());
+  const size_t mills = std::min<size_t>(parameters.animated / 100, 40), fitted = parameters.animated / 50;
+  const Furnishing furnishing = furnish(plan, catalogue, parameters.instances - ground.meshes.size(), mills, fitted);
+  Units units = placeUnits(plan, catalogue, parameters.animated - furnishing.animated.size());
 
   auto scene = std::make_shared<Scene>();
   scene->name = "city";
   scene->cameras = cityCameras(plan, furnishing);
   scene->environment = scene->cameras.front().environment;
-  scene->placements.reserve(parameters.instances);
+  scene->placements.reserve(parameters.instances + parameters.animated);
   for (const Stand& stand : furnishing.stands) scene->placements.push_back({stand.prefab, stand.transform()});
   for (size_t i = 0; i < ground.meshes.size(); ++i) {
     const uint32_t prefab = catalogue.add(std::move(ground.meshes[i]), "terrain", false);
     const glm::vec3 centre(static_cast<float>(ground.centres[i].x), 0.0f, static_cast<float>(ground.centres[i].y));
     scene->placements.push_back({prefab, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, centre}});
   }
+  for (const Stand& stand : furnishing.animated) scene->placements.push_back({stand.prefab, stand.transform()});
+  scene->placements.insert(scene->placements.end(), units.placements.begin(), units.placements.end());
+  scene->routes = std::move(units.routes);
+  scene->rigs = std::move(catalogue.rigs);
+  scene->ground = plan.ground.grid();
   sortByHitbox(scene->placements, plan.site);
   scene->textures = std::move(catalogue.palette.textures);
   scene->materials = std::move(catalogue.palette.materials);

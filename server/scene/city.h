@@ -11,6 +11,7 @@ namespace helio::scene {
 struct CityParameters {
   uint64_t seed = 1;
   uint32_t instances = 10'000;  ///< static instances wanted, [1'000, 1'000'000]; the world's side grows with it
+  uint32_t animated = 0;        ///< moving units beside them, [0, 10'000]: walkers, vehicles, mills, fitted houses
 };
 
 /// Light of a sun at `elevation` and `azimuth` (radians, azimuth from +z towards +x) with the sky that goes with it.

@@ -113,7 +113,7 @@ void plantWoods(const CityPlan& plan, const Catalogue& catalogue, size_t count, 
 
 }  // namespace
 
-Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t count) {
+Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t count, size_t mills, size_t fitted) {
   Furnishing result;
   std::vector<LandmarkSite> landmarks;
   for (uint32_t prefab : {catalogue.glass_hall, catalogue.town_hall, catalogue.church}) {
@@ -144,6 +144,12 @@ Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t coun
     };
     if (mill_block == plan.blocks.size() || off(i) < off(mill_block)) mill_block = i;
   }
+  const auto farmed = static_cast<size_t>(std::count_if(plan.blocks.begin(), plan.blocks.end(), [](const Block& b) {
+    return b.use == Use::field || b.use == Use::meadow;
+  }));
+  const uint64_t every = std::max<size_t>(1, farmed / (2 * std::max<size_t>(1, mills)));  // half of them are too small
+  size_t farms = 0;
+  std::vector<Stand> farmhouses;
   for (size_t i = 0; i < plan.blocks.size(); ++i) {
     const Block& block = plan.blocks[i];
     LotFiller filler(plan, catalogue, block);
@@ -155,10 +161,32 @@ Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t coun
       filler.reserve(
           standBuilding(plan, catalogue, block, catalogue.windmill, p, glm::normalize(plan.site.town_centre - p)));
     }
+    const Use use = block.use;
+    if (i != mill_block && (use == Use::field || use == Use::meadow) && block.lot.size() >= 3 &&
+        result.animated.size() < mills && hash64(block.seed, 61) % every == 0) {
+      const glm::dvec2 p = centroid(block.lot);
+      const Stand mill = standBuilding(plan, catalogue, block, catalogue.turning_mill, p, unitVector(0.1));
+      if (inside(footprint(mill, catalogue.bounds(catalogue.windmill)), block.lot)) {
+        filler.reserve(mill);
+        result.animated.push_back(mill);
+        filler.fixed.pop_back();
+      }
+    }
     filler.fill(result.town_view);
-    result.stands.insert(result.stands.end(), filler.fixed.begin(), filler.fixed.end());
+    for (Stand stand : filler.fixed) {
+      const uint32_t follows = catalogue.fittedTo(stand.prefab);
+      if (follows == kNone || farms == fitted) {
+        result.stands.push_back(stand);
+        continue;
+      }
+      ++farms;
+      stand.prefab = follows;
+      farmhouses.push_back(stand);
+    }
     optional.insert(optional.end(), filler.optional.begin(), filler.optional.end());
   }
+
+  result.animated.insert(result.animated.end(), farmhouses.begin(), farmhouses.end());
 
   // The woods get at least a quarter of all instances; gardens and hedgerows give way when they would not.
   const size_t fixed = std::min(result.stands.size(), count);

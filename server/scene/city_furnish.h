@@ -25,9 +25,11 @@ struct Furnishing {
   std::vector<Stand> stands;
   glm::dvec2 town_view{0.0};     ///< a free corner of the market square, for a camera
   std::vector<Stand> landmarks;  ///< those around the square
+  std::vector<Stand> animated;   ///< turning mills and fitted houses: beside the stands
 };
 
-/// Exactly `count` stands: town first, then trees in the woods until the number is met.
-Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t count);
+/// Exactly `count` stands: town first, then trees in the woods until the number is met. Up to `mills` turning mills in
+/// fields, and up to `fitted` farm houses that follow the ground, come on top.
+Furnishing furnish(const CityPlan& plan, const Catalogue& catalogue, size_t count, size_t mills, size_t fitted);
 
 }  // namespace helio::scene

@@ -1,6 +1,7 @@
 // The buildings that a town has one of. All but the windmill stand around the market square.
 #include "scene/catalogue.h"
 #include "scene/house_parts.h"
+#include "scene/random.h"
 
 namespace helio::scene {
 namespace {
@@ -150,8 +151,12 @@ Mesh glassHall(const Palette& p) {
   return b.build();
 }
 
-Mesh windmill(const Palette& p) {
-  MeshBuilder b("windmill", p);
+const vec3 kMillHub(0.0f, 11.9f, 3.5f);
+
+/// `turning`: its tower hangs on joint 0 and its sails on joint 1 of millRig().
+Mesh windmill(const Palette& p, const char* name, bool turning) {
+  MeshBuilder b(name, p);
+  if (turning) b.hangOn(0);
   b.frustum(p.plaster[0], {0.0f, -kFoundation, 0.0f}, 4.0f, 2.5f, 11.0f + kFoundation, 12);
   b.prism(p.planks[1], {0.0f, 11.0f, 0.0f}, 2.9f, 2.6f, 0.6f, 12, true);
   b.frustum(p.planks[1], {0.0f, 11.6f, 0.0f}, 2.6f, 0.0f, 2.6f, 12);
@@ -159,7 +164,8 @@ Mesh windmill(const Palette& p) {
   b.box(p.ashlar[0], {-0.8f, -kFoundation, 3.0f}, {0.8f, 0.3f, 4.6f}, kNoBottom);
   b.picture(p.door[2], {-0.6f, 0.3f, 3.95f}, {0.6f, 0.3f, 3.95f}, {0.6f, 2.5f, 3.75f}, {-0.6f, 2.5f, 3.75f});
   // Sails: a diagonal cross of lattice and canvas in the plane z = 3.5.
-  const vec3 hub(0.0f, 11.9f, 3.5f);
+  if (turning) b.hangOn(1);
+  const vec3 hub = kMillHub;
   for (const glm::vec2 d : {glm::vec2(0.9239f, 0.3827f), glm::vec2(-0.3827f, 0.9239f), glm::vec2(-0.9239f, -0.3827f),
                             glm::vec2(0.3827f, -0.9239f)}) {
     const vec3 along(d.x, d.y, 0.0f), across(-d.y, d.x, 0.0f), out(0.0f, 0.0f, 0.06f);
@@ -174,6 +180,28 @@ Mesh windmill(const Palette& p) {
     vane(p.cloth, 1.6f, 8.4f, -1.5f, 0.3f, 0.0f);
   }
   return b.build();
+}
+
+Rig millRig() {
+  constexpr float kTurnSeconds = 7.0f;
+  Rig rig;
+  rig.name = "windmill";
+  RigNode tower, sails;
+  sails.parent = 0;
+  sails.translation = sails.rest[3] = kMillHub;
+  rig.nodes = {tower, sails};
+  rig.joints = {{0, glm::mat4x3(1.0f)}, {1, glm::mat4x3(1.0f)}};
+  rig.joints[1].inverse_bind[3] = -kMillHub;
+  Channel turn;
+  turn.node = 1;
+  turn.target = ChannelTarget::rotation;
+  for (int quarter = 0; quarter <= 4; ++quarter) {
+    const glm::dvec2 half_angle = unitVector(-0.125 * quarter);  // clockwise, seen from the front
+    turn.times.push_back(kTurnSeconds * static_cast<float>(quarter) / 4.0f);
+    for (const double c : {0.0, 0.0, half_angle.y, half_angle.x}) turn.values.push_back(static_cast<float>(c));
+  }
+  rig.clips = {{"turn", kTurnSeconds, {turn}}};
+  return rig;
 }
 
 /// A gate of the old town wall: two round towers and an arch with a room above it.
@@ -199,7 +227,9 @@ void addLandmarks(Catalogue& catalogue) {
   catalogue.church = catalogue.add(church(p), "landmark");
   catalogue.town_hall = catalogue.add(townHall(p), "landmark");
   catalogue.glass_hall = catalogue.add(glassHall(p), "landmark");
-  catalogue.windmill = catalogue.add(windmill(p), "landmark");
+  catalogue.windmill = catalogue.add(windmill(p, "windmill", false), "landmark");
+  catalogue.turning_mill = catalogue.addRigged(windmill(p, "windmill_turning", true), "landmark", millRig());
+  catalogue.prefabs[catalogue.turning_mill].out_of_step = true;
   catalogue.gatehouse = catalogue.add(gatehouse(p), "landmark");
 }
 

@@ -43,6 +43,7 @@ class HeightField {
   glm::vec3 normal(const glm::dvec2& p) const;
   double lowest(const Rectangle& rectangle) const;  ///< over corners and centre
   double highest(const Rectangle& rectangle) const;
+  HeightGrid grid() const;  ///< the same, for who needs no more than the populated square
 
  private:
   double shape(const glm::dvec2& p) const;

@@ -80,6 +80,11 @@ double HeightField::height(const glm::dvec2& p) const {
   return h00 + t.y * (h01 - h00) + t.x * (h11 - h01);
 }
 
+HeightGrid HeightField::grid() const {
+  return {glm::vec2(static_cast<float>(-site_.half())), static_cast<float>(kLattice), static_cast<uint32_t>(count_),
+          samples_};
+}
+
 glm::vec3 HeightField::normal(const glm::dvec2& p) const {
   const auto at = [&](double dx, double dz) { return height(p + glm::dvec2(dx, dz)); };
   const double d = kLattice;

@@ -34,11 +34,6 @@ void reportModel(GltfImport& import) {
   for (const std::string& name : model.extensionsUsed) {
     if (!isSupportedExtension(name)) report.ignore(name, "this extension is not supported");
   }
-  const auto ignoreAll = [&report](const char* what, size_t count, const char* why) {
-    if (count > 0) report.ignore(what, why, count);
-  };
-  ignoreAll("animations", model.animations.size(), "models stand still");
-  ignoreAll("skins", model.skins.size(), "models stand still, in the pose of their vertices");
 }
 
 Result<ScenePtr> import(const std::filesystem::path& file, const GltfOptions& options, ImportReport& report) {

@@ -244,6 +244,45 @@ Result<std::vector<glm::vec4>> readColors(const AccessorView& view, const std::v
   return colors;
 }
 
+Result<std::vector<float>> readNumbers(const AccessorView& view, int type, Integers allowed) {
+  if (view.type != type || !holds(view, allowed)) return wrongType(view, describe(allowed));
+  // A sparse accessor without a view may claim any count: what moves has no use for it.
+  if (view.stride == 0) return wrongType(view, "a buffer view's elements");
+  const size_t component_bytes = componentBytes(view.component_type);
+  const auto components = static_cast<size_t>(tinygltf::GetNumComponentsInType(static_cast<uint32_t>(type)));
+  std::vector<float> numbers;
+  numbers.reserve(view.count * components);
+  for (size_t i = 0; i < view.count; ++i) {
+    for (size_t c = 0; c < components; ++c) {
+      const float value = loadReal(view.element(i) + c * component_bytes, view.component_type, view.normalized);
+      if (!std::isfinite(value)) {
+        const std::string field = fmt::format("{}[{}]", view.name, i);
+        return invalid(field, fmt::format("{}", value),
+                       fmt::format("{} holds {}: every value must be finite", field, value));
+      }
+      numbers.push_back(value);
+    }
+  }
+  return numbers;
+}
+
+Result<std::vector<glm::u16vec4>> readJoints(const AccessorView& view, const std::vector<uint32_t>& which) {
+  const int type = view.component_type;
+  const bool bytes = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE;
+  if (view.type != TINYGLTF_TYPE_VEC4 || (!bytes && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) || view.normalized)
+    return wrongType(view, "VEC4 of unsigned bytes or shorts");
+  std::vector<glm::u16vec4> joints;
+  joints.reserve(which.size());
+  for (const uint32_t vertex : which) {
+    const unsigned char* element = view.element(vertex);
+    glm::u16vec4 four;
+    for (int c = 0; c < 4; ++c)
+      four[c] = static_cast<uint16_t>(loadIndex(element + static_cast<size_t>(c) * (bytes ? 1 : 2), type));
+    joints.push_back(four);
+  }
+  return joints;
+}
+
 Result<std::vector<uint32_t>> readIndices(const AccessorView& view, size_t vertex_count) {
   const int type = view.component_type;
   const bool is_index = type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||

@@ -51,6 +51,14 @@ Result<std::vector<glm::vec4>> readVec4(const AccessorView& view, const std::vec
 /// VEC3 or VEC4, of floats or normalized unsigned integers; clamped to [0, 1], alpha 1 where there is none.
 Result<std::vector<glm::vec4>> readColors(const AccessorView& view, const std::vector<uint32_t>& which);
 
+/// All numbers of an accessor of floats (or normalized integers, where they are allowed) and of TINYGLTF_TYPE_...
+/// `type`, one behind the other. Errors (invalid): another type, a value that is not finite, an accessor whose size
+/// nothing in the file bounds.
+Result<std::vector<float>> readNumbers(const AccessorView& view, int type, Integers allowed);
+
+/// Four joint indices a vertex, of unsigned bytes or shorts.
+Result<std::vector<glm::u16vec4>> readJoints(const AccessorView& view, const std::vector<uint32_t>& which);
+
 /// All elements of an accessor of unsigned 8, 16 or 32 bit scalars. Errors (invalid): another type, a value that is not
 /// less than `vertex_count`.
 Result<std::vector<uint32_t>> readIndices(const AccessorView& view, size_t vertex_count);

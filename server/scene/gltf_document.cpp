@@ -15,6 +15,7 @@ using nlohmann::json;
 
 constexpr int kMaxNesting = 100;
 constexpr uint64_t kMaxImageBytes = std::numeric_limits<int>::max();  // what image decoders can be given
+constexpr size_t kMaxJoints = 1024;                                   // of a skin: far more than any body has
 constexpr uint64_t kMaxInteger = std::numeric_limits<int>::max();  // what tinygltf keeps offsets of sparse accessors in
 
 /// The greatest number of brackets open at once, outside of strings.
@@ -85,6 +86,8 @@ class DocumentChecker : GltfChecker {
       });
       each("materials", [this](const json& o, const std::string& at, size_t) { checkMaterial(o, at); });
       checkLights(*this);
+      each("skins", [this](const json& o, const std::string& at, size_t) { checkSkin(o, at); });
+      each("animations", [this](const json& o, const std::string& at, size_t) { checkAnimation(o, at); });
       each("nodes", [this](const json& o, const std::string& at, size_t) { checkNode(o, at); });
       each("scenes", [this](const json& o, const std::string& at, size_t) { references(o, at, "nodes", "nodes"); });
       reference(root(), "", "scene", "scenes");
@@ -183,6 +186,7 @@ class DocumentChecker : GltfChecker {
   }
 
   void checkMesh(const json& mesh, const std::string& at) {
+    if (has(mesh, "weights")) numbers(mesh, at, "weights", member(mesh, "weights").size());
     const json& primitives = member(mesh, "primitives");
     if (!primitives.is_array() || primitives.empty())
       return fail(at + ".primitives", primitives, "it must be an array that is not empty");
@@ -194,6 +198,12 @@ class DocumentChecker : GltfChecker {
       if (!attributes.is_object()) return fail(here + ".attributes", attributes, "it must be an object");
       for (const auto& [name, accessor] : attributes.items())
         index(accessor, here + ".attributes." + name, "accessors");
+      listOfObjects(primitive, here, "targets");
+      const json& targets = member(primitive, "targets");
+      for (size_t t = 0; t < targets.size() && !error(); ++t) {
+        for (const auto& [name, accessor] : targets[t].items())
+          index(accessor, fmt::format("{}.targets[{}].{}", here, t, name), "accessors");
+      }
       reference(primitive, here, "indices", "accessors");
       reference(primitive, here, "material", "materials");
       integer(primitive, here, "mode", 4, 0, 6);
@@ -224,8 +234,46 @@ class DocumentChecker : GltfChecker {
     checkMaterialExtensions(*this, material, at);
   }
 
+  void checkSkin(const json& skin, const std::string& at) {
+    const json& joints = member(skin, "joints");
+    if (!joints.is_array() || joints.empty() || joints.size() > kMaxJoints)
+      return fail(at + ".joints", joints, fmt::format("it must be an array of 1 to {} nodes", kMaxJoints));
+    references(skin, at, "joints", "nodes");
+    reference(skin, at, "skeleton", "nodes");
+    reference(skin, at, "inverseBindMatrices", "accessors");
+  }
+
+  void checkAnimation(const json& animation, const std::string& at) {
+    listOfObjects(animation, at, "samplers");
+    listOfObjects(animation, at, "channels");
+    if (error()) return;
+    const json& samplers = member(animation, "samplers");
+    for (size_t i = 0; i < samplers.size() && !error(); ++i) {
+      const std::string here = fmt::format("{}.samplers[{}]", at, i);
+      index(member(samplers[i], "input"), here + ".input", "accessors");
+      index(member(samplers[i], "output"), here + ".output", "accessors");
+      const json& kind = member(samplers[i], "interpolation");
+      if (kind.is_null() || kind == "LINEAR" || kind == "STEP" || kind == "CUBICSPLINE") continue;
+      fail(here + ".interpolation", kind, "it must be LINEAR, STEP or CUBICSPLINE");
+    }
+    const json& channels = member(animation, "channels");
+    for (size_t i = 0; i < channels.size() && !error(); ++i) {
+      const std::string here = fmt::format("{}.channels[{}]", at, i);
+      const json& sampler = member(channels[i], "sampler");
+      if (!sampler.is_number_unsigned() || sampler.get<uint64_t>() >= samplers.size())
+        return fail(here + ".sampler", sampler,
+                    fmt::format("it must be the index of one of {} samplers", samplers.size()));
+      const json& target = object(channels[i], here, "target");
+      reference(target, here + ".target", "node", "nodes");
+      if (!member(target, "path").is_string())
+        fail(here + ".target.path", member(target, "path"), "it must be text such as \"rotation\"");
+    }
+  }
+
   void checkNode(const json& node, const std::string& at) {
     reference(node, at, "mesh", "meshes");
+    reference(node, at, "skin", "skins");
+    if (has(node, "weights")) numbers(node, at, "weights", member(node, "weights").size());
     reference(node, at, "camera", "cameras");
     references(node, at, "children", "nodes");
     numbers(node, at, "matrix", 16);

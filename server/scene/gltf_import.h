@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>
@@ -61,6 +62,40 @@ Result<std::vector<UvChannels>> importMaterials(GltfImport& import);
 /// the prefab of each mesh of the file, or kNone. Errors: accessors (gltf_accessor.h), a count of corners that makes no
 /// triangles, more triangles than options.max_triangles.
 Result<std::vector<uint32_t>> importMeshes(GltfImport& import, const std::vector<UvChannels>& channels_of_material);
+
+/// A node's map into its parent's space. Errors: a matrix that is not affine, a rotation of length zero.
+Result<glm::dmat4> localTransform(const tinygltf::Node& node, size_t index);
+
+/// A node with a mesh, and what moves it.
+struct RiggedNode {
+  uint32_t rig = kNone;       ///< kNone: it stands still
+  uint32_t node = kNone;      ///< of the rig, that carries the mesh; kNone: the mesh is skinned
+  glm::dmat4 placement{1.0};  ///< where an instance of it stands for the file's scene
+};
+
+/// Makes the rigs of the nodes whose meshes move: those with a skin, below an animated node, or with morph targets that
+/// are animated or have weights.
+class RigImporter {
+ public:
+  /// `parent`: of each node, or -1; a forest.
+  RigImporter(GltfImport& import, const std::vector<int>& parent) : import_(import), parent_(parent) {}
+
+  /// Appends the node's rig to the scene, with a clip for every animation of the file that moves it. Errors: accessors,
+  /// key times that do not rise, counts of keys and values that do not fit.
+  Result<RiggedNode> rigOf(size_t node, const glm::dmat4& global, size_t morph_targets);
+
+ private:
+  std::vector<size_t> chainOf(const std::vector<size_t>& ends) const;
+  Result<void> addJoints(const tinygltf::Skin& skin, size_t index, Rig& rig) const;
+  Result<void> addClips(size_t mesh_node, Rig& rig) const;
+  Result<Channel> channelOf(const tinygltf::Animation& animation, const tinygltf::AnimationChannel& from,
+                            const std::string& at, size_t weights) const;
+
+  GltfImport& import_;
+  const std::vector<int>& parent_;
+  std::map<size_t, uint32_t> rig_node_;  // of the rig being made, by the file's node
+  std::map<int, uint32_t> rig_of_skin_;  // of skinned meshes without morph targets
+};
 
 /// Appends a placement for every node of the file's scene whose mesh has a prefab, or one for each of its instances, a
 /// camera for every perspective camera, and the punctual lights. Errors: nodes that are no forest, nested too deep, or

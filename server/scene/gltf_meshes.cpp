@@ -15,6 +15,7 @@ namespace helio::scene {
 namespace {
 
 constexpr float kTinyLength = 1e-12f;
+constexpr size_t kMaxMorphTargets = 64;
 
 /// The corners of triangles, as places in a list of `count` corners of a strip, a fan or single triangles.
 std::vector<uint32_t> triangulate(int mode, uint32_t count) {
@@ -93,7 +94,6 @@ class MeshImporter {
                             "only triangles have surfaces");
       return Mesh{};
     }
-    if (!primitive.targets.empty()) import_.report.ignore("morph targets", "models stand still");
     const Result<AccessorView> positions = viewAccessor(model_, position->second);
     if (!positions) return positions.error();
     Result<std::vector<uint32_t>> corners = cornersOf(primitive, positions->count, at);
@@ -127,7 +127,8 @@ class MeshImporter {
     part.positions = std::move(*read);
     const Source source{primitive, vertices, positions->count, at};
     for (const auto readAttribute :
-         {&MeshImporter::readUvs, &MeshImporter::readVertexColors, &MeshImporter::readNormals}) {
+         {&MeshImporter::readUvs, &MeshImporter::readVertexColors, &MeshImporter::readNormals, &MeshImporter::readSkin,
+          &MeshImporter::readMorphTargets}) {
       if (Result<void> done = (this->*readAttribute)(source, part); !done) return done.error();
     }
     addTangents(materialOf(primitive), part);
@@ -221,6 +222,57 @@ class MeshImporter {
     Result<std::vector<glm::vec4>> colors = readColors(view, source.vertices);
     if (!colors) return colors.error();
     part.colors = std::move(*colors);
+    return {};
+  }
+
+  Result<void> readSkin(const Source& source, Mesh& part) {
+    if (source.primitive.attributes.count("JOINTS_1") != 0)
+      import_.report.ignore("joints beyond four a vertex", "the first four carry it");
+    AccessorView joints_view, weights_view;
+    const Result<bool> has_joints = find(source, "JOINTS_0", joints_view);
+    if (!has_joints) return has_joints.error();
+    const Result<bool> has_weights = find(source, "WEIGHTS_0", weights_view);
+    if (!has_weights) return has_weights.error();
+    if (!*has_joints || !*has_weights) return {};
+    const auto joints = readJoints(joints_view, source.vertices);
+    if (!joints) return joints.error();
+    const auto weights = readVec4(weights_view, source.vertices, Integers::normalized_unsigned);
+    if (!weights) return weights.error();
+    part.skin.resize(joints->size());
+    for (size_t i = 0; i < joints->size(); ++i) {
+      const glm::vec4 w = glm::max((*weights)[i], glm::vec4(0.0f));
+      const float sum = w.x + w.y + w.z + w.w;
+      part.skin[i] = {(*joints)[i], sum > 1e-6f && std::isfinite(sum) ? w / sum : glm::vec4(1.0f, 0.0f, 0.0f, 0.0f)};
+    }
+    return {};
+  }
+
+  Result<void> readMorphTargets(const Source& source, Mesh& part) {
+    const size_t count = source.primitive.targets.size();
+    if (count > kMaxMorphTargets) {
+      const std::string field = source.at + ".targets";
+      return Error{ErrorKind::limit,
+                   fmt::format("{}: {} morph targets, at most {} are allowed", field, count, kMaxMorphTargets), field,
+                   fmt::format("{}", count), fmt::format("{}", kMaxMorphTargets)};
+    }
+    for (size_t t = 0; t < count; ++t) {
+      MorphTarget target{std::vector<glm::vec3>(part.positions.size(), glm::vec3(0.0f)),
+                         std::vector<glm::vec3>(part.positions.size(), glm::vec3(0.0f))};
+      for (const auto& [attribute, accessor] : source.primitive.targets[t]) {
+        if (attribute != "POSITION" && attribute != "NORMAL") continue;  // tangents follow the normals well enough
+        const Result<AccessorView> view = viewAccessor(model_, accessor);
+        if (!view) return view.error();
+        if (view->count != source.vertex_count) {
+          const std::string field = fmt::format("{}.targets[{}].{}", source.at, t, attribute);
+          return invalid(field, fmt::format("{}", view->count),
+                         fmt::format("{} has {} elements for {} vertices", field, view->count, source.vertex_count));
+        }
+        auto deltas = readVec3(*view, source.vertices, quantized_ ? Integers::any : Integers::none);
+        if (!deltas) return deltas.error();
+        (attribute == "POSITION" ? target.positions : target.normals) = std::move(*deltas);
+      }
+      part.morph_targets.push_back(std::move(target));
+    }
     return {};
   }
 
@@ -319,6 +371,13 @@ class MeshImporter {
     for (size_t k = 0; k < mesh.more_uvs.size(); ++k)
       extend(mesh.more_uvs[k], k < part.more_uvs.size() ? part.more_uvs[k] : std::vector<glm::vec2>{}, glm::vec2(0.0f));
     if (!mesh.colors.empty() || !part.colors.empty()) extend(mesh.colors, part.colors, glm::vec4(1.0f));
+    if (!mesh.skin.empty() || !part.skin.empty()) extend(mesh.skin, part.skin, VertexSkin{});
+    mesh.morph_targets.resize(std::max(mesh.morph_targets.size(), part.morph_targets.size()));
+    for (size_t t = 0; t < mesh.morph_targets.size(); ++t) {
+      const MorphTarget none, &more = t < part.morph_targets.size() ? part.morph_targets[t] : none;
+      extend(mesh.morph_targets[t].positions, more.positions, glm::vec3(0.0f));
+      extend(mesh.morph_targets[t].normals, more.normals, glm::vec3(0.0f));
+    }
     for (uint32_t index : part.indices) mesh.indices.push_back(static_cast<uint32_t>(base) + index);
   }
 

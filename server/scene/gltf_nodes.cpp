@@ -1,11 +1,15 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
+#include <set>
+#include <tuple>
 
 #include <spdlog/fmt/fmt.h>
 #include <glm/gtc/quaternion.hpp>
 
+#include "scene/deform.h"
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_extensions.h"
 #include "scene/gltf_import.h"
@@ -30,7 +34,8 @@ glm::dmat4 compose(const glm::dvec3& translation, const glm::dquat& rotation, co
 
 bool isRotation(const glm::dquat& q) { return glm::length(q) > 1e-12; }
 
-/// A node's map into its parent's space.
+}  // namespace
+
 Result<glm::dmat4> localTransform(const tinygltf::Node& node, size_t index) {
   if (!node.matrix.empty()) {
     glm::dmat4 m;
@@ -50,6 +55,8 @@ Result<glm::dmat4> localTransform(const tinygltf::Node& node, size_t index) {
   if (!isRotation(rotation)) return badNode(index, ".rotation", "is a quaternion of length zero");
   return compose(vec3(node.translation, 0.0), rotation, vec3(node.scale, 1.0));
 }
+
+namespace {
 
 /// The maps of EXT_mesh_gpu_instancing's instances into the node's space; without the extension one, the identity.
 Result<std::vector<glm::dmat4>> instancesOf(const GltfImport& import, const tinygltf::Node& node, size_t index) {
@@ -110,10 +117,97 @@ Result<std::vector<glm::dmat4>> instancesOf(const GltfImport& import, const tiny
   return instances;
 }
 
+/// The prefabs of meshes that move otherwise in one node than in another.
+class RiggedPrefabs {
+ public:
+  RiggedPrefabs(GltfImport& import, const std::vector<uint32_t>& base) : scene_(import.scene), base_(base) {
+    for (const Prefab& prefab : scene_.prefabs) names_.take(prefab.name);
+  }
+
+  /// The prefab of a mesh of the file, moved as `rigged` says: the mesh's own for the first, others for further ones.
+  /// Errors: a vertex that hangs on a joint which the skin has not.
+  Result<uint32_t> prefabOf(size_t mesh, const RiggedNode& rigged, size_t node) {
+    const Key key{mesh, rigged.rig, rigged.node};
+    if (const auto found = made_.find(key); found != made_.end()) return found->second;
+    uint32_t prefab = base_[mesh];
+    if (rigged.rig == kNone) {
+      // It stands still here: without what would make it move.
+      if (scene_.meshes[scene_.prefabs[prefab].mesh].deforms()) prefab = standing(prefab);
+      return made_[key] = prefab;
+    }
+    Mesh& moved = scene_.meshes[scene_.prefabs[prefab].mesh];
+    const Rig& rig = scene_.rigs[rigged.rig];
+    if (rigged.node != kNone) {
+      if (!moved.skin.empty()) moved.skin.clear();
+    } else {
+      for (const VertexSkin& skin : moved.skin)
+        for (int c = 0; c < 4; ++c)
+          if (skin.weights[c] > 0.0f && skin.joints[c] >= rig.joints.size())
+            return badNode(node, ".skin",
+                           fmt::format("has {} joints, but a vertex of its mesh hangs on joint {}", rig.joints.size(),
+                                       skin.joints[c]));
+      if (moved.skin.empty()) moved.skin.resize(moved.positions.size());
+    }
+    if (moved.deforms()) moved.bounds.grow(boundsOverClips(moved, rig));
+    if (!claimed_.insert(prefab).second) {
+      Prefab copy = scene_.prefabs[prefab];
+      copy.name = names_.take(copy.name);
+      prefab = static_cast<uint32_t>(scene_.prefabs.size());
+      scene_.prefabs.push_back(std::move(copy));
+    }
+    scene_.prefabs[prefab].rig = rigged.rig;
+    scene_.prefabs[prefab].node = rigged.node;
+    // What the file has further clips for can be built playing them.
+    for (uint32_t clip = 1; clip < rig.clips.size(); ++clip) {
+      Prefab other = scene_.prefabs[prefab];
+      other.name = names_.take(other.name + ":" + rig.clips[clip].name);
+      other.clip = other.travel_clip = clip;
+      scene_.prefabs.push_back(std::move(other));
+    }
+    return made_[key] = prefab;
+  }
+
+  /// What nothing moves loses what it could be moved by.
+  void finish() {
+    for (const uint32_t prefab : base_) {
+      if (prefab == kNone || claimed_.count(prefab) != 0) continue;
+      Mesh& mesh = scene_.meshes[scene_.prefabs[prefab].mesh];
+      mesh.skin.clear();
+      mesh.morph_targets.clear();
+    }
+  }
+
+ private:
+  using Key = std::tuple<size_t, uint32_t, uint32_t>;
+
+  uint32_t standing(uint32_t prefab) {
+    Mesh mesh = scene_.meshes[scene_.prefabs[prefab].mesh];
+    mesh.skin.clear();
+    mesh.morph_targets.clear();
+    mesh.name += " (still)";
+    Prefab copy{names_.take(scene_.prefabs[prefab].name), scene_.prefabs[prefab].category,
+                static_cast<uint32_t>(scene_.meshes.size()), true};
+    scene_.meshes.push_back(std::move(mesh));
+    scene_.prefabs.push_back(std::move(copy));
+    return static_cast<uint32_t>(scene_.prefabs.size() - 1);
+  }
+
+  Scene& scene_;
+  const std::vector<uint32_t>& base_;
+  UniqueNames names_;
+  std::map<Key, uint32_t> made_;
+  std::set<uint32_t> claimed_;
+};
+
 class NodeImporter {
  public:
   NodeImporter(GltfImport& import, const std::vector<uint32_t>& prefab_of_mesh)
-      : import_(import), model_(import.model), prefab_of_mesh_(prefab_of_mesh), scene_(import.scene) {}
+      : import_(import),
+        model_(import.model),
+        scene_(import.scene),
+        prefabs_(import, prefab_of_mesh),
+        prefab_of_mesh_(prefab_of_mesh),
+        rigs_(import, parent_) {}
 
   Result<void> import() {
     if (Result<void> forest = checkForest(); !forest) return forest;
@@ -139,6 +233,7 @@ class NodeImporter {
       if (Result<void> done = addNode(node, visit.node, global); !done) return done;
       push(node.children, global);
     }
+    prefabs_.finish();
     return {};
   }
 
@@ -235,14 +330,23 @@ class NodeImporter {
           fmt::format("nodes[{}] brings the model to {} instances, at most {} are allowed", index, wanted, most),
           fmt::format("nodes[{}]", index), fmt::format("{}", wanted), fmt::format("{}", most)};
     }
+    const uint32_t base = prefab_of_mesh_[static_cast<size_t>(node.mesh)];
+    RiggedNode rigged{kNone, kNone, global};
+    if (node.extensions.count(kGpuInstancing) == 0) {
+      const auto found = rigs_.rigOf(index, global, scene_.meshes[scene_.prefabs[base].mesh].morph_targets.size());
+      if (!found) return found.error();
+      rigged = *found;
+    }
+    const Result<uint32_t> prefab = prefabs_.prefabOf(static_cast<size_t>(node.mesh), rigged, index);
+    if (!prefab) return prefab.error();
     for (const glm::dmat4& instance : *instances) {
-      const Result<glm::mat4x3> transform = finite(global * instance, index);
+      const Result<glm::mat4x3> transform = finite(rigged.placement * instance, index);
       if (!transform) return transform.error();
       const glm::vec3 zero(0.0f);
       if ((*transform)[0] == zero && (*transform)[1] == zero && (*transform)[2] == zero) {
         import_.report.ignore("instances scaled to a point", "they cannot be seen");
       } else {
-        scene_.placements.push_back({prefab_of_mesh_[static_cast<size_t>(node.mesh)], *transform});
+        scene_.placements.push_back({*prefab, *transform});
       }
     }
     return {};
@@ -301,9 +405,11 @@ class NodeImporter {
 
   GltfImport& import_;
   const tinygltf::Model& model_;
-  const std::vector<uint32_t>& prefab_of_mesh_;
   Scene& scene_;
+  RiggedPrefabs prefabs_;
+  const std::vector<uint32_t>& prefab_of_mesh_;
   std::vector<int> parent_;
+  RigImporter rigs_;
   UniqueNames names_;
 };
 

@@ -154,6 +154,7 @@ uint32_t MeshBuilder::vertex(vec3 position, vec3 normal, vec2 uv) {
   mesh_.positions.push_back(origin_ + turned(position));
   mesh_.normals.push_back(turned(normal));
   mesh_.uvs.push_back(uv);
+  if (rigged_) mesh_.skin.push_back({{joint_, 0, 0, 0}, {1.0f, 0.0f, 0.0f, 0.0f}});
   return static_cast<uint32_t>(mesh_.positions.size() - 1);
 }
 
@@ -252,6 +253,12 @@ void MeshBuilder::blobs(uint32_t material, const std::vector<Blob>& blobs) {
       }
     }
   }
+}
+
+void MeshBuilder::hangOn(uint16_t joint) {
+  rigged_ = true;
+  joint_ = joint;
+  mesh_.skin.resize(mesh_.positions.size(), {{joint, 0, 0, 0}, {1.0f, 0.0f, 0.0f, 0.0f}});
 }
 
 Mesh MeshBuilder::build() {

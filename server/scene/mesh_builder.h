@@ -54,6 +54,9 @@ class MeshBuilder {
   void blobs(uint32_t material, const std::vector<Blob>& blobs);
   void blob(uint32_t material, const Blob& blob) { blobs(material, {blob}); }
 
+  /// Parts that follow hang on this joint of the mesh's rig; without a call no part hangs on any.
+  void hangOn(uint16_t joint);
+
   Mesh build();
 
  private:
@@ -64,6 +67,8 @@ class MeshBuilder {
   const Palette& palette_;
   Mesh mesh_;
   std::map<uint32_t, std::vector<uint32_t>> by_material_;
+  bool rigged_ = false;
+  uint16_t joint_ = 0;
   glm::vec3 origin_{0.0f};
   int quarter_turns_ = 0;
 };

@@ -166,6 +166,33 @@ void addNatureAndProps(Palette& p, PaletteBuilder& make) {
   p.flowers = make.plain("flowers", {0.62f, 0.10f, 0.22f}, 0.8f);
 }
 
+void addPeopleAndVehicles(Palette& p, PaletteBuilder& make) {
+  const std::array<glm::vec3, 10> garments{{{0.10f, 0.14f, 0.28f},
+                                            {0.52f, 0.10f, 0.09f},
+                                            {0.16f, 0.11f, 0.07f},
+                                            {0.68f, 0.64f, 0.55f},
+                                            {0.12f, 0.26f, 0.14f},
+                                            {0.07f, 0.07f, 0.08f},
+                                            {0.58f, 0.34f, 0.07f},
+                                            {0.24f, 0.20f, 0.17f},
+                                            {0.36f, 0.12f, 0.30f},
+                                            {0.18f, 0.34f, 0.42f}}};
+  for (size_t i = 0; i < garments.size(); ++i)
+    p.garment[i] = make.plain("garment_" + std::to_string(i), garments[i], 0.9f);
+  p.complexion = {make.plain("skin_0", {0.66f, 0.42f, 0.32f}, 0.6f), make.plain("skin_1", {0.72f, 0.50f, 0.40f}, 0.6f),
+                  make.plain("skin_2", {0.42f, 0.25f, 0.16f}, 0.6f), make.plain("skin_3", {0.20f, 0.11f, 0.07f}, 0.6f)};
+  p.hair = {make.plain("hair_dark", {0.035f, 0.025f, 0.02f}, 0.7f),
+            make.plain("hair_brown", {0.13f, 0.07f, 0.035f}, 0.7f),
+            make.plain("hair_fair", {0.45f, 0.30f, 0.13f}, 0.7f), make.plain("hair_grey", {0.42f, 0.41f, 0.40f}, 0.7f)};
+  p.paint = {
+      make.plain("paint_red", {0.42f, 0.035f, 0.03f}, 0.25f), make.plain("paint_blue", {0.05f, 0.12f, 0.32f}, 0.25f),
+      make.plain("paint_cream", {0.62f, 0.56f, 0.42f}, 0.25f), make.plain("paint_green", {0.05f, 0.20f, 0.12f}, 0.3f),
+      make.plain("paint_grey", {0.22f, 0.23f, 0.25f}, 0.35f)};
+  p.leather = make.plain("leather", {0.07f, 0.04f, 0.025f}, 0.55f);
+  p.tyre = make.plain("tyre", {0.02f, 0.02f, 0.022f}, 0.9f);
+  p.pane = make.plain("pane", {0.03f, 0.04f, 0.05f}, 0.12f);
+}
+
 }  // namespace
 
 Palette makePalette() {
@@ -174,6 +201,7 @@ Palette makePalette() {
   addWallsAndRoofs(palette, make);
   addGround(palette, make);
   addNatureAndProps(palette, make);
+  addPeopleAndVehicles(palette, make);
   return palette;
 }
 

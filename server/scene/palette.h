@@ -37,6 +37,12 @@ struct Palette {
   std::array<uint32_t, 7> foliage{};  // oak, linden, birch, maple, apple, hedge, blossom
   std::array<uint32_t, 3> needles{};
   std::array<uint32_t, 2> bark{};  // brown, birch
+  // People and vehicles
+  std::array<uint32_t, 10> garment{};
+  std::array<uint32_t, 4> complexion{};
+  std::array<uint32_t, 4> hair{};
+  std::array<uint32_t, 5> paint{};
+  uint32_t leather = 0, tyre = 0, pane = 0;
   // Props
   uint32_t water = 0, lamp_light = 0, straw = 0, fruit_red = 0, fruit_orange = 0, cloth = 0, flowers = 0;
 };

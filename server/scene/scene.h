@@ -11,6 +11,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/animation.h"
+
 namespace helio::scene {
 
 inline constexpr uint32_t kNone = 0xffffffffu;
@@ -120,7 +122,15 @@ struct Mesh {
   std::vector<glm::vec4> colors;                 ///< linear, [0, 1]: multiply the base colour; empty: white
   std::vector<uint32_t> indices;
   std::vector<Submesh> submeshes;
-  Aabb bounds;
+  std::vector<VertexSkin> skin;            ///< of skinned meshes: one a vertex; else empty
+  std::vector<MorphTarget> morph_targets;  ///< as many as its rig has weights
+  /// Of buildings fitted to the ground, metres: what lies at or below 0 follows the height of the ground under it, what
+  /// lies at this height and above stays; between them the shift fades. 0: stands as it is.
+  float fit_height = 0.0f;
+  Aabb bounds;  ///< of what deforms: over all of its poses
+
+  /// Its instances have shapes of their own, and so BLASes of their own.
+  bool deforms() const { return !skin.empty() || !morph_targets.empty() || fit_height > 0.0f; }
 
   /// Computes what is missing (normals: area weighted; tangents: from uv, or any frame), and the bounds.
   void finish();
@@ -132,12 +142,34 @@ struct Prefab {
   std::string category;  ///< "house", "tree", "lamp", "square", "terrain", "model", ...
   uint32_t mesh = 0;
   bool buildable = true;  ///< users may build it (the terrain may not be built twice)
+  uint32_t rig = kNone;
+  uint32_t clip = 0;          ///< of the rig: what instances play that stand
+  uint32_t travel_clip = 0;   ///< of the rig: what those on a route play
+  float travel_speed = 1.0f;  ///< metres a second for which the travel clip was made: so feet do not slide
+  uint32_t node = kNone;      ///< a rigid mesh: the node of the rig that carries it; kNone: the mesh itself deforms
+  /// Instances begin the clip each at a time of its own, so that a crowd is not in step.
+  bool out_of_step = false;
 };
 
 /// A prefab at a place. Columns of `transform`: x, y, z axes and translation.
 struct Placement {
   uint32_t prefab = 0;
   glm::mat4x3 transform{1.0f};
+  /// Its way for as long as nobody moves it; `transform` is where it is at time 0.
+  uint32_t route = kNone;
+  float route_start = 0.0f;  ///< metres along it at time 0
+  float route_speed = 0.0f;  ///< metres a second, of either sign
+};
+
+/// The ground's height on a square lattice; between four samples linear on two triangles, which share the diagonal from
+/// low x, low z to high x, high z. Beyond the lattice its border goes on.
+struct HeightGrid {
+  glm::vec2 origin{0.0f};      ///< metres, x and z of the first sample
+  float spacing = 1.0f;        ///< metres
+  uint32_t columns = 0;        ///< along x
+  std::vector<float> heights;  ///< metres, rows of z
+
+  float height(const glm::vec2& xz) const;
 };
 
 /// A disc of light at infinity. Not seen by camera rays, seen in reflections.
@@ -196,6 +228,9 @@ struct Scene {
   std::vector<Prefab> prefabs;
   std::vector<Placement> placements;  ///< the base scene
   std::vector<PunctualLight> lights;
+  std::vector<Rig> rigs;
+  std::vector<Route> routes;
+  HeightGrid ground;  ///< empty: no mesh is fitted to it
   Environment environment;
   std::vector<NamedCamera> cameras;  ///< at least one
 

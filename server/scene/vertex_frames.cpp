@@ -76,6 +76,11 @@ void splitMirroredSeams(Mesh& mesh, std::span<const glm::vec2> uvs) {
     repeat(mesh.uvs);
     for (std::vector<glm::vec2>& channel : mesh.more_uvs) repeat(channel);
     repeat(mesh.colors);
+    repeat(mesh.skin);
+    for (MorphTarget& target : mesh.morph_targets) {
+      repeat(target.positions);
+      repeat(target.normals);
+    }
     return static_cast<uint32_t>(mesh.positions.size() - 1);
   };
   for (size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {

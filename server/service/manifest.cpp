@@ -13,7 +13,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr unsigned kFormat = 1;
 // Of scene::generateCity(): one more whenever the same parameters give other prefabs or base instances.
-constexpr unsigned kCityGenerator = 1;
+constexpr unsigned kCityGenerator = 2;
 
 Error unreadable(ErrorKind kind, const std::string& why) { return {kind, "manifest: " + why, "manifest", {}, {}}; }
 
@@ -48,7 +48,8 @@ class Sha256 {
 
 std::string Manifest::description() const {
   if (const auto* city = std::get_if<scene::CityParameters>(&source))
-    return fmt::format("city seed {}, {} instances", city->seed, city->instances);
+    return fmt::format("city seed {}, {} instances", city->seed, city->instances) +
+           (city->animated > 0 ? fmt::format(", {} animated", city->animated) : "");
   return "gltf " + std::get<Gltf>(source).path;
 }
 
@@ -59,7 +60,10 @@ bool Manifest::sameSource(const Manifest& other) const {
 std::string encode(const Manifest& manifest) {
   Json json = {{"format", kFormat}};
   if (const auto* city = std::get_if<scene::CityParameters>(&manifest.source))
-    json["city"] = {{"generator", kCityGenerator}, {"seed", city->seed}, {"instances", city->instances}};
+    json["city"] = {{"generator", kCityGenerator},
+                    {"seed", city->seed},
+                    {"instances", city->instances},
+                    {"animated", city->animated}};
   else json["gltf"] = {{"path", std::get<Manifest::Gltf>(manifest.source).path}};
   json["digest"] = manifest.digest;
   return json.dump();
@@ -84,7 +88,8 @@ Result<Manifest> decodeManifest(const std::string& bytes) {
             ErrorKind::unsupported,
             fmt::format("the city is of generator {}, this server has generator {}: start the one that made it",
                         generator, kCityGenerator));
-      manifest.source = scene::CityParameters{city.at("seed").get<uint64_t>(), city.at("instances").get<uint32_t>()};
+      manifest.source = scene::CityParameters{city.at("seed").get<uint64_t>(), city.at("instances").get<uint32_t>(),
+                                              city.at("animated").get<uint32_t>()};
     } else {
       manifest.source = Manifest::Gltf{json.at("gltf").at("path").get<std::string>()};
     }

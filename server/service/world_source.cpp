@@ -36,6 +36,8 @@ Outcome<Loader> cityLoader(const scene::CityParameters& parameters, const Limits
   const uint64_t low = 1'000, high = std::min<uint64_t>(1'000'000, limits.world.max_instances);
   if (parameters.instances < low || parameters.instances > high)
     return outOfRange("city.instances", std::to_string(parameters.instances), fmt::format("[{}, {}]", low, high));
+  if (parameters.animated > 10'000)
+    return outOfRange("city.animated", std::to_string(parameters.animated), "[0, 10000]");
   return Loader([parameters] { return scene::generateCity(parameters); });
 }
 
@@ -108,8 +110,9 @@ Outcome<WorldSource> sourceOf(Manifest manifest, const fs::path& gltf_root, cons
 Outcome<WorldSource> sourceOf(const v1::CreateWorldRequest& request, const fs::path& gltf_root, const Limits& limits) {
   switch (request.source_case()) {
     case v1::CreateWorldRequest::kCity:
-      return sourceOf({scene::CityParameters{request.city().seed(), request.city().instances()}, {}}, gltf_root,
-                      limits);
+      return sourceOf(
+          {scene::CityParameters{request.city().seed(), request.city().instances(), request.city().animated()}, {}},
+          gltf_root, limits);
     case v1::CreateWorldRequest::kGltf:
       return sourceOf({Manifest::Gltf{request.gltf().path()}, {}}, gltf_root, limits);
     case v1::CreateWorldRequest::SOURCE_NOT_SET:
