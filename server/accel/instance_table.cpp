@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shared/assemble.h"
+
 namespace helio::accel {
 namespace {
 
@@ -28,6 +30,12 @@ uint64_t capacityFor(uint64_t count) {
 
 }  // namespace
 
+const scene::Placement* routedPlacement(const scene::Scene& scene, const world::Instance& instance) {
+  if (instance.id == 0 || instance.id > scene.placements.size()) return nullptr;
+  const scene::Placement& placed = scene.placements[instance.id - 1];
+  return placed.route != scene::kNone && placed.transform == instance.transform ? &placed : nullptr;
+}
+
 InstanceTable::InstanceTable(gpu::Device& device, const scene::Scene& scene, std::vector<float> emitter_power,
                              float (*weigh)(float, const glm::mat4x3&))
     : device_(device), scene_(scene), emitter_power_(std::move(emitter_power)), weigh_(weigh) {}
@@ -41,8 +49,9 @@ uint64_t InstanceTable::mortonKey(const glm::vec3& centre) const {
 void InstanceTable::apply(const world::ChangeSet& changes, const std::function<void(uint32_t, int64_t)>& on_change) {
   if (changes.slot_count > placed_.size()) {
     placed_.resize(changes.slot_count);
-    records_.resize(changes.slot_count, {{}, shared::kNoMesh, 0.0f});
+    records_.resize(changes.slot_count, {{}, shared::kNoMesh, 0.0f, 0});
     keys_.resize(changes.slot_count);
+    travels_.resize(changes.slot_count);
   }
   for (const auto& [slot, instance] : changes.slots) {
     PlacedInstance& placed = placed_[slot];
@@ -55,6 +64,8 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
     }
     dirty_slots_.push_back(slot);
     emitters_dirty_ |= record.emitter_weight > 0.0f;
+    record.deform = 0;
+    travels_[slot] = false;
     if (prefab == scene::kNone) {
       placed = {};
       record.mesh = shared::kNoMesh;
@@ -63,35 +74,74 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
     }
     placed.prefab = prefab;
     placed.mesh = scene_.prefabs[prefab].mesh;
-    const scene::Aabb bounds = scene::transform(scene_.meshes[placed.mesh].bounds, instance.transform);
-    placed.centre = bounds.centre();
-    placed.radius = 0.5f * glm::length(bounds.extent());
-    for (int row = 0; row < 3; ++row)
-      record.rows[row] = {instance.transform[0][row], instance.transform[1][row], instance.transform[2][row],
-                          instance.transform[3][row]};
     record.mesh = placed.mesh;
     record.emitter_weight =
         emitter_power_[placed.mesh] > 0.0f ? weigh_(emitter_power_[placed.mesh], instance.transform) : 0.0f;
     emitters_dirty_ |= record.emitter_weight > 0.0f;
-    keys_[slot] = mortonKey(placed.centre);
+    travels_[slot] = scene_.prefabs[prefab].node != scene::kNone || routedPlacement(scene_, instance) != nullptr;
+    setTransform(slot, instance.transform);
   }
   if (!changes.slots.empty()) rebuildOrder(changes);
+}
+
+void InstanceTable::setTransform(uint32_t slot, const glm::mat4x3& transform) {
+  PlacedInstance& placed = placed_[slot];
+  const scene::Aabb bounds = scene::transform(scene_.meshes[placed.mesh].bounds, transform);
+  placed.centre = bounds.centre();
+  placed.radius = 0.5f * glm::length(bounds.extent());
+  for (int row = 0; row < 3; ++row)
+    records_[slot].rows[row] = {transform[0][row], transform[1][row], transform[2][row], transform[3][row]};
+  keys_[slot] = mortonKey(placed.centre);
+}
+
+void InstanceTable::place(uint32_t slot, const glm::mat4x3& transform, VkDeviceAddress deform) {
+  // Scaled to nothing for the moment: neither rays nor the rasteriser meet a point.
+  setTransform(slot, invertible(transform) ? transform : glm::mat4x3(0.0f));
+  records_[slot].deform = deform;
+}
+
+void InstanceTable::sortTravellers() {
+  if (standing_ == order_.size()) return;
+  std::sort(order_.begin() + static_cast<ptrdiff_t>(standing_), order_.end(),
+            [this](uint32_t a, uint32_t b) { return before(a, b); });
+  boundBlocks(standing_);
+  travellers_dirty_ = true;
+}
+
+void InstanceTable::boundBlocks(size_t from_entry) {
+  constexpr size_t kBlock = shared::kOrderBlock;
+  blocks_.resize((order_.size() + kBlock - 1) / kBlock);
+  for (size_t b = from_entry / kBlock; b < blocks_.size(); ++b) {
+    scene::Aabb bounds;
+    const size_t end = std::min(order_.size(), (b + 1) * kBlock);
+    for (size_t i = b * kBlock; i < end; ++i) {
+      const PlacedInstance& placed = placed_[order_[i]];
+      bounds.grow({placed.centre - placed.radius, placed.centre + placed.radius});
+    }
+    blocks_[b] = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
+  }
 }
 
 void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
   // Take out what was removed or placed anew, then merge the sorted newcomers: linear in the instances, once an edit.
   std::vector<bool> changed(placed_.size());
-  std::vector<uint32_t> newcomers;
-  for (const auto& [slot, instance] : changes.slots) {
-    changed[slot] = true;
-    if (placed_[slot].prefab != scene::kNone) newcomers.push_back(slot);
-  }
-  const auto before = [this](uint32_t a, uint32_t b) { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; };
-  std::erase_if(order_, [&](uint32_t slot) { return changed[slot]; });
-  std::sort(newcomers.begin(), newcomers.end(), before);
+  std::vector<uint32_t> newcomers, travellers(order_.begin() + static_cast<ptrdiff_t>(standing_), order_.end());
+  for (const auto& [slot, instance] : changes.slots) changed[slot] = true;
+  order_.resize(standing_);
+  const auto is_changed = [&](uint32_t slot) { return changed[slot]; };
+  std::erase_if(order_, is_changed);
+  std::erase_if(travellers, is_changed);
+  for (const auto& [slot, instance] : changes.slots)
+    if (placed_[slot].prefab != scene::kNone) (travels_[slot] ? travellers : newcomers).push_back(slot);
+  const auto earlier = [this](uint32_t a, uint32_t b) { return before(a, b); };
+  std::sort(newcomers.begin(), newcomers.end(), earlier);
   const auto middle = static_cast<ptrdiff_t>(order_.size());
   order_.insert(order_.end(), newcomers.begin(), newcomers.end());
-  std::inplace_merge(order_.begin(), order_.begin() + middle, order_.end(), before);
+  std::inplace_merge(order_.begin(), order_.begin() + middle, order_.end(), earlier);
+  standing_ = order_.size();
+  std::sort(travellers.begin(), travellers.end(), earlier);
+  order_.insert(order_.end(), travellers.begin(), travellers.end());
+  boundBlocks(0);
 }
 
 void InstanceTable::forget() { upload_all_ = emitters_dirty_ = true; }
@@ -99,7 +149,8 @@ void InstanceTable::forget() { upload_all_ = emitters_dirty_ = true; }
 void InstanceTable::upload(gpu::Commands& commands) {
   std::sort(dirty_slots_.begin(), dirty_slots_.end());
   const uint64_t record_bytes = capacityFor(records_.size()) * sizeof(shared::InstanceRecord);
-  if (upload_all_ || record_buffer_.size() < record_bytes) {
+  if (record_buffer_.size() < record_bytes) upload_all_ = true;
+  if (upload_all_) {
     if (record_buffer_) commands.retire(std::move(record_buffer_));
     record_buffer_ = gpu::Buffer(device_, {"the instance table", record_bytes, gpu::MemoryCategory::raster});
     commands.upload<shared::InstanceRecord>(record_buffer_, 0, records_);
@@ -118,10 +169,13 @@ void InstanceTable::upload(gpu::Commands& commands) {
   if (order_buffer_.size() < order_bytes) {
     if (order_buffer_) commands.retire(std::move(order_buffer_));
     order_buffer_ = gpu::Buffer(device_, {"the Morton order", order_bytes, gpu::MemoryCategory::ray_tracing});
+    upload_all_ = true;
   }
-  commands.upload<uint32_t>(order_buffer_, 0, order_);
+  // Where nothing but what travels moved, the rest of the order is there already.
+  const size_t first = dirty() ? 0 : standing_;
+  commands.upload<uint32_t>(order_buffer_, first, std::span<const uint32_t>(order_).subspan(first));
   dirty_slots_.clear();
-  emitters_dirty_ = upload_all_ = false;
+  emitters_dirty_ = upload_all_ = travellers_dirty_ = false;
 }
 
 }  // namespace helio::accel

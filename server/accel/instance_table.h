@@ -20,6 +20,15 @@ struct PlacedInstance {
   float radius = 0.0f;
 };
 
+/// Bounds of shared::kOrderBlock neighbours in the order; a radius below 0: nothing is there.
+struct OrderBlock {
+  glm::vec3 centre{0.0f};
+  float radius = -1.0f;
+};
+
+/// The placement whose way a base instance goes along; null when it has none, or when somebody moved it.
+const scene::Placement* routedPlacement(const scene::Scene& scene, const world::Instance& instance);
+
 /// Mirror of a world's slots. The Morton order is over the ground plane, the hitboxes' order: lavapipe does not sort
 /// its TLAS, and neighbours in memory are neighbours in space for every later pass.
 class InstanceTable {
@@ -32,8 +41,17 @@ class InstanceTable {
   /// Takes over what changed: CPU side only. `on_change(prefab, +1 or -1)` is called for each instance placed or
   /// removed.
   void apply(const world::ChangeSet& changes, const std::function<void(uint32_t prefab, int64_t count)>& on_change);
-  /// Something changed since the last upload().
+  /// What users changed since the last upload().
   bool dirty() const { return upload_all_ || !dirty_slots_.empty(); }
+  /// The order changed since the last upload(), by what users did or because something moved.
+  bool orderDirty() const { return dirty() || travellers_dirty_; }
+
+  /// Whether the slot's instance has a place of its own in every tick: those stand behind all others in the order.
+  bool travels(uint32_t slot) const { return travels_[slot]; }
+  /// Where an instance is in this tick. The record is not marked for upload(): Units brings it to the GPU.
+  void place(uint32_t slot, const glm::mat4x3& transform, VkDeviceAddress deform);
+  /// Orders what travels anew, after it was placed.
+  void sortTravellers();
   /// After a tick that failed: the next upload() brings everything.
   void forget();
   /// Something that shines was placed, moved or removed since the last upload().
@@ -44,12 +62,17 @@ class InstanceTable {
   const std::vector<PlacedInstance>& instances() const { return placed_; }  ///< by slot
   const std::vector<shared::InstanceRecord>& records() const { return records_; }
   const std::vector<uint32_t>& order() const { return order_; }
+  const std::vector<OrderBlock>& blocks() const { return blocks_; }
+  uint64_t bytes() const { return record_buffer_.size() + order_buffer_.size(); }
   const gpu::Buffer& recordBuffer() const { return record_buffer_; }
   const gpu::Buffer& orderBuffer() const { return order_buffer_; }
 
  private:
   uint64_t mortonKey(const glm::vec3& centre) const;
   void rebuildOrder(const world::ChangeSet& changes);
+  void setTransform(uint32_t slot, const glm::mat4x3& transform);
+  void boundBlocks(size_t from_entry);
+  bool before(uint32_t a, uint32_t b) const { return keys_[a] != keys_[b] ? keys_[a] < keys_[b] : a < b; }
 
   gpu::Device& device_;
   const scene::Scene& scene_;
@@ -58,7 +81,11 @@ class InstanceTable {
   std::vector<PlacedInstance> placed_;
   std::vector<shared::InstanceRecord> records_;
   std::vector<uint64_t> keys_;   // by slot
-  std::vector<uint32_t> order_;  // slots by (key, slot)
+  std::vector<bool> travels_;    // by slot
+  std::vector<uint32_t> order_;  // slots by (key, slot): those that stand, then those that travel
+  size_t standing_ = 0;          // of order_
+  std::vector<OrderBlock> blocks_;
+  bool travellers_dirty_ = false;
   std::vector<uint32_t> dirty_slots_;
   bool emitters_dirty_ = false;
   bool upload_all_ = false;

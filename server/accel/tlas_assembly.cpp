@@ -1,6 +1,7 @@
 #include "accel/tlas_assembly.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "shared/assemble.h"
 
@@ -16,9 +17,40 @@ uint32_t bucketAbove(uint32_t count) {
 }
 }  // namespace
 
-TlasAssembly::TlasAssembly(gpu::Device& device) : device_(device), pipeline_(device, "assemble/assemble.comp") {}
+TlasAssembly::TlasAssembly(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene)
+    : device_(device),
+      pipeline_(device, "assemble/assemble.comp"),
+      counter_(device, {"the count of TLAS instances", sizeof(uint32_t), gpu::MemoryCategory::ray_tracing}),
+      counter_readback_(device, {"the count of TLAS instances, read back", sizeof(uint32_t),
+                                 gpu::MemoryCategory::transfer, gpu::Placement::readback}) {
+  std::vector<glm::vec4> spheres;
+  for (const scene::Mesh& mesh : scene.meshes)
+    spheres.emplace_back(mesh.bounds.centre(), 0.5f * glm::length(mesh.bounds.extent()));
+  spheres_ = gpu::Buffer(
+      device, {"bounding spheres of meshes", spheres.size() * sizeof(glm::vec4), gpu::MemoryCategory::ray_tracing});
+  commands.begin();
+  commands.upload<glm::vec4>(spheres_, 0, spheres);
+  commands.submit();
+  (void)commands.finish();
+  std::memset(counter_readback_.mapped(), 0, sizeof(uint32_t));
+}
 
-void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
+void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy) {
+  const std::vector<shared::CullVolume>* volumes = strategy.volumes();
+  culls_ = all_blocks_ = false;
+  chosen_.clear();
+  if (volumes != nullptr) {
+    culls_ = true;
+    volumes_ = *volumes;
+    const std::vector<OrderBlock>& blocks = table.blocks();
+    for (uint32_t b = 0; b < blocks.size(); ++b)
+      if (strategy.wants(blocks[b].centre, blocks[b].radius)) chosen_.push_back(b);
+  } else {
+    all_blocks_ = true;
+    chosen_.resize(table.blocks().size());
+  }
+  const auto count = static_cast<uint32_t>(
+      std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
   if (count <= capacity_ && capacity_ <= 2 * bucketAbove(count + count / 4)) return;
   const uint32_t capacity = bucketAbove(count + count / 4);
   gpu::Buffer instances(
@@ -29,19 +61,49 @@ void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
   capacity_ = capacity;
 }
 
+void TlasAssembly::upload(gpu::Commands& commands) {
+  commands.fill(counter_, 0);
+  const auto store = [&](gpu::Buffer& buffer, const char* name, std::span<const std::byte> bytes) {
+    if (buffer.size() < bytes.size()) {
+      if (buffer) commands.retire(std::move(buffer));
+      buffer = gpu::Buffer(device_, {name, bytes.size() * 3 / 2, gpu::MemoryCategory::ray_tracing});
+    }
+    if (!bytes.empty()) commands.upload(buffer, 0, bytes);
+  };
+  if (!all_blocks_) store(chosen_buffer_, "the blocks of the order", std::as_bytes(std::span(chosen_)));
+  if (culls_) store(volume_buffer_, "what rays can meet", std::as_bytes(std::span(volumes_)));
+}
+
 void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes) {
   shared::AssembleConstants constants{};
   constants.order = table.orderBuffer().address();
   constants.instances = table.recordBuffer().address();
   constants.meshes = meshes;
   constants.output_ = instances_.address();
+  constants.blocks = all_blocks_ ? 0 : chosen_buffer_.address();
+  constants.volumes = culls_ ? volume_buffer_.address() : 0;
+  constants.spheres = spheres_.address();
+  constants.entered = counter_.address();
   constants.count = static_cast<uint32_t>(table.order().size());
+  constants.block_count = static_cast<uint32_t>(chosen_.size());
+  constants.volume_count = static_cast<uint32_t>(volumes_.size());
   constants.capacity = capacity_;
   commands.bind(pipeline_);
   commands.push(constants);
-  commands.dispatch((capacity_ + 63) / 64);
+  commands.dispatch((capacity_ + shared::kOrderBlock - 1) / shared::kOrderBlock);
 }
 
-void TlasAssembly::build(gpu::Commands& commands) { tlas_.build(commands, instances_.address(), capacity_); }
+void TlasAssembly::build(gpu::Commands& commands) {
+  commands.copy(counter_, counter_readback_, sizeof(uint32_t));
+  commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
+  tlas_.build(commands, instances_.address(), capacity_);
+}
+
+uint32_t TlasAssembly::entered() const {
+  counter_readback_.invalidate();
+  uint32_t count = 0;
+  std::memcpy(&count, counter_readback_.mapped(), sizeof count);
+  return count;
+}
 
 }  // namespace helio::accel

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/instance_table.h"
+#include "accel/strategy.h"
 #include "gpu/acceleration_structure.h"
 #include "gpu/pipelines.h"
 
@@ -9,24 +10,35 @@ namespace helio::accel {
 
 class TlasAssembly {
  public:
-  explicit TlasAssembly(gpu::Device& device);
+  /// `mesh_bounds`: by mesh of the scene.
+  TlasAssembly(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
-  /// Sizes the instance buffer: the next bucket above 1.25 times the count, so that the build count changes seldom;
-  /// what lies behind the last instance is null.
-  void reserve(gpu::Commands& commands, uint32_t count);
+  /// Chooses the blocks of the order that the strategy does not rule out, and sizes the instance buffer for them: the
+  /// next bucket above 1.25 times their instances, so that the build count changes seldom; what lies behind is null.
+  void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
+  /// Records the copies of what assemble() reads (transfer writes). After reserve().
+  void upload(gpu::Commands& commands);
   /// Compute: writes `capacity()` TLAS instances from the table, in its order.
   void assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes);
-  /// Builds the structure from what was assembled.
+  /// Builds the structure from what was assembled, and reads back how many entered.
   void build(gpu::Commands& commands);
 
   VkDeviceAddress address() const { return tlas_.address(); }
   uint32_t capacity() const { return capacity_; }
+  /// Of the last build that is done.
+  uint32_t entered() const;
+  uint64_t bytes() const { return tlas_.bytes() + instances_.size(); }
+  uint64_t scratchBytes() const { return tlas_.scratchBytes(); }
 
  private:
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
-  gpu::Buffer instances_;
+  gpu::Buffer spheres_, instances_, chosen_buffer_, volume_buffer_, counter_, counter_readback_;
   gpu::Tlas tlas_;
+  std::vector<uint32_t> chosen_;  // blocks, ascending
+  bool all_blocks_ = true;
+  std::vector<shared::CullVolume> volumes_;
+  bool culls_ = false;
   uint32_t capacity_ = 0;
 };
 

@@ -33,15 +33,27 @@ AccelerationStructure::AccelerationStructure(Device& device, const std::string& 
     : device_(&device),
       buffer_(device, {name, size, MemoryCategory::ray_tracing, Placement::device,
                        VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR}) {
+  create(name, type, buffer_.handle(), 0, size);
+}
+
+AccelerationStructure::AccelerationStructure(Device& device, const std::string& name,
+                                             VkAccelerationStructureTypeKHR type, const Range& range)
+    : device_(&device) {
+  create(name, type, range.buffer, range.offset, range.size);
+}
+
+void AccelerationStructure::create(const std::string& name, VkAccelerationStructureTypeKHR type, VkBuffer buffer,
+                                   uint64_t offset, uint64_t size) {
   VkAccelerationStructureCreateInfoKHR info{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR};
-  info.buffer = buffer_.handle();
+  info.buffer = buffer;
+  info.offset = offset;
   info.size = size;
   info.type = type;
-  check(vkCreateAccelerationStructureKHR(device.handle(), &info, nullptr, &handle_),
+  check(vkCreateAccelerationStructureKHR(device_->handle(), &info, nullptr, &handle_),
         "the acceleration structure " + name);
   VkAccelerationStructureDeviceAddressInfoKHR address{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_DEVICE_ADDRESS_INFO_KHR};
   address.accelerationStructure = handle_;
-  address_ = vkGetAccelerationStructureDeviceAddressKHR(device.handle(), &address);
+  address_ = vkGetAccelerationStructureDeviceAddressKHR(device_->handle(), &address);
 }
 
 AccelerationStructure::~AccelerationStructure() {
@@ -97,6 +109,66 @@ std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<con
                                       range_pointers.data());
   commands.retire(std::move(scratch));
   return structures;
+}
+
+namespace {
+
+VkAccelerationStructureBuildGeometryInfoKHR movingBlas(
+    const std::vector<VkAccelerationStructureGeometryKHR>& geometries) {
+  VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+  build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
+  build.flags =
+      VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
+  build.geometryCount = static_cast<uint32_t>(geometries.size());
+  build.pGeometries = geometries.data();
+  return build;
+}
+
+}  // namespace
+
+BlasSizes movingBlasSizes(Device& device, std::span<const BlasGeometry> inputs) {
+  std::vector<VkAccelerationStructureGeometryKHR> geometries;
+  std::vector<uint32_t> counts;
+  for (const BlasGeometry& input : inputs) {
+    geometries.push_back(triangles(input));
+    counts.push_back(input.triangle_count);
+  }
+  const auto size = sizes(device, movingBlas(geometries), counts.data());
+  return {size.accelerationStructureSize, size.buildScratchSize, size.updateScratchSize};
+}
+
+void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::span<const uint64_t> scratch_sizes,
+                  const Buffer& scratch, bool one_call) {
+  std::vector<std::vector<VkAccelerationStructureGeometryKHR>> geometries(updates.size());
+  std::vector<std::vector<VkAccelerationStructureBuildRangeInfoKHR>> ranges(updates.size());
+  std::vector<VkAccelerationStructureBuildGeometryInfoKHR> builds;
+  std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> range_pointers;
+  uint64_t offset = 0;
+  for (size_t i = 0; i < updates.size(); ++i) {
+    for (const BlasGeometry& input : updates[i].geometries) {
+      geometries[i].push_back(triangles(input));
+      ranges[i].push_back({input.triangle_count, 0, 0, 0});
+    }
+    VkAccelerationStructureBuildGeometryInfoKHR build = movingBlas(geometries[i]);
+    build.mode = updates[i].refit ? VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR
+                                  : VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    build.srcAccelerationStructure = updates[i].refit ? updates[i].structure : VK_NULL_HANDLE;
+    build.dstAccelerationStructure = updates[i].structure;
+    build.scratchData.deviceAddress = scratch.address() + offset;
+    offset = alignUp(offset + scratch_sizes[i], commands.device().scratchAlignment());
+    builds.push_back(build);
+    range_pointers.push_back(ranges[i].data());
+  }
+  if (one_call) {
+    if (!builds.empty())
+      vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(),
+                                          range_pointers.data());
+    return;
+  }
+  for (size_t i = 0; i < builds.size(); ++i) {
+    vkCmdBuildAccelerationStructuresKHR(commands.handle(), 1, &builds[i], &range_pointers[i]);
+    commands.barrier(use::build_write, use::build_write);
+  }
 }
 
 void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) {

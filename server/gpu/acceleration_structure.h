@@ -6,14 +6,18 @@
 
 #include "gpu/commands.h"
 #include "gpu/memory.h"
+#include "gpu/range_pool.h"
 
 namespace helio::gpu {
 
-/// Owns a structure and its memory. Move-only.
+/// Owns a structure, and its memory unless that is a range of a pool. Move-only.
 class AccelerationStructure {
  public:
   AccelerationStructure() = default;
   AccelerationStructure(Device& device, const std::string& name, VkAccelerationStructureTypeKHR type, uint64_t size);
+  /// In a range of a pool whose buffers have acceleration structure storage, aligned to 256; the range must outlive it.
+  AccelerationStructure(Device& device, const std::string& name, VkAccelerationStructureTypeKHR type,
+                        const Range& range);
   AccelerationStructure(AccelerationStructure&& other) noexcept { swap(other); }
   AccelerationStructure& operator=(AccelerationStructure&& other) noexcept {
     AccelerationStructure(std::move(other)).swap(*this);
@@ -23,10 +27,13 @@ class AccelerationStructure {
 
   explicit operator bool() const { return handle_ != VK_NULL_HANDLE; }
   VkAccelerationStructureKHR handle() const { return handle_; }
-  VkDeviceAddress address() const { return address_; }  ///< what instances and shaders refer to
+  VkDeviceAddress address() const { return address_; }            ///< what instances and shaders refer to
+  uint64_t size() const { return buffer_ ? buffer_.size() : 0; }  ///< bytes of its own
 
  private:
   void swap(AccelerationStructure& other) noexcept;
+  void create(const std::string& name, VkAccelerationStructureTypeKHR type, VkBuffer buffer, uint64_t offset,
+              uint64_t size);
   Device* device_ = nullptr;
   Buffer buffer_;
   VkAccelerationStructureKHR handle_ = VK_NULL_HANDLE;
@@ -52,12 +59,35 @@ struct BlasInput {
 /// caller places a barrier from build_write before the structures are used.
 std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs);
 
+/// Bytes of a BLAS that is refitted while its vertices move.
+struct BlasSizes {
+  uint64_t structure = 0;
+  uint64_t build_scratch = 0;
+  uint64_t refit_scratch = 0;
+};
+BlasSizes movingBlasSizes(Device& device, std::span<const BlasGeometry> geometries);
+
+/// A BLAS that moves: built anew, or refitted to where its vertices are now (it was built of the same triangles).
+struct BlasUpdate {
+  VkAccelerationStructureKHR structure = VK_NULL_HANDLE;
+  std::vector<BlasGeometry> geometries;
+  bool refit = false;
+};
+
+/// Builds and refits all of `updates` in one call, with scratch memory that the caller keeps: its size is the sum of
+/// theirs, each rounded up to the device's scratch alignment. `one_call` false: a call each, with a barrier behind it,
+/// to measure what the batch saves.
+void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::span<const uint64_t> scratch_sizes,
+                  const Buffer& scratch, bool one_call = true);
+
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.
 class Tlas {
  public:
   /// Grows storage and scratch to `count` instances if need be, then records the build.
   void build(Commands& commands, VkDeviceAddress instances, uint32_t count);
   VkDeviceAddress address() const { return structure_.address(); }
+  uint64_t bytes() const { return structure_.size(); }
+  uint64_t scratchBytes() const { return scratch_ ? scratch_.size() : 0; }
 
  private:
   AccelerationStructure structure_;

@@ -1,33 +1,31 @@
 #include "render/draw_list.h"
 
-#include <array>
-#include <cmath>
+#include <algorithm>
 
+#include "accel/strategy.h"
 #include "render/camera_frame.h"
 
 namespace helio::render {
 
 DrawList cullToFrustum(const accel::InstanceTable& instances, size_t mesh_count, const scene::Camera& camera,
                        float aspect) {
-  // Inward unit normals of the four sides.
   const CameraFrame frame = cameraFrame(camera);
-  const float half_height = frame.tangent, half_width = frame.tangent * aspect;
-  const auto side = [&](const glm::vec3& axis, float half) {
-    return (frame.forward * half - axis) / std::sqrt(1.0f + half * half);
-  };
-  const std::array sides{side(frame.right, half_width), side(-frame.right, half_width), side(frame.up, half_height),
-                         side(-frame.up, half_height)};
+  const shared::CullVolume frustum =
+      accel::frustumOf(camera.position, frame.right, frame.up, frame.forward, frame.tangent, aspect);
 
+  // Neighbours together first: the cost follows what is seen, not what there is.
   std::vector<uint32_t> visible;
   std::vector<uint32_t> counts(mesh_count + 1);
-  for (uint32_t slot : instances.order()) {
-    const accel::PlacedInstance& instance = instances.instances()[slot];
-    const glm::vec3 relative = instance.centre - camera.position;
-    bool inside = true;
-    for (const glm::vec3& normal : sides) inside = inside && glm::dot(normal, relative) > -instance.radius;
-    if (!inside) continue;
-    visible.push_back(slot);
-    ++counts[instance.mesh + 1];
+  const std::vector<uint32_t>& order = instances.order();
+  for (size_t b = 0; b < instances.blocks().size(); ++b) {
+    if (!accel::inFrustum(frustum, instances.blocks()[b].centre, instances.blocks()[b].radius)) continue;
+    const size_t end = std::min(order.size(), (b + 1) * size_t{shared::kOrderBlock});
+    for (size_t i = b * size_t{shared::kOrderBlock}; i < end; ++i) {
+      const accel::PlacedInstance& instance = instances.instances()[order[i]];
+      if (!accel::inFrustum(frustum, instance.centre, instance.radius)) continue;
+      visible.push_back(order[i]);
+      ++counts[instance.mesh + 1];
+    }
   }
 
   // Counting sort by mesh.

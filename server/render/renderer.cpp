@@ -67,6 +67,13 @@ class VulkanRenderer final : public Renderer {
     renderer->removeView(view);
   }
 
+  Result<void> setCulling(WorldHandle world, Culling culling) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    renderer->setCulling(culling);
+    return {};
+  }
+
   Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
                                   std::span<const ViewRequest> views) override {
     const std::shared_ptr<WorldRenderer> renderer = find(world);
@@ -102,6 +109,10 @@ class VulkanRenderer final : public Renderer {
 };
 
 }  // namespace
+
+Result<void> Renderer::setCulling(WorldHandle, Culling) {
+  return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
+}
 
 Result<std::unique_ptr<Renderer>> makeRenderer(const RendererOptions& options) {
   gpu::DeviceOptions device_options;

@@ -97,6 +97,23 @@ struct FaultPlace {
   uint32_t seed = 0;      ///< of the samples that are averaged
 };
 
+/// What a world's acceleration structures hold and cost, of this tick.
+struct AccelerationUse {
+  uint32_t own_blases = 0;          ///< BLASes that belong to one instance, in this tick's TLAS
+  uint32_t own_blases_in_view = 0;  ///< those of them in the view's frustum
+  uint32_t own_blases_waiting = 0;  ///< wanted, and left to a later tick by the budget
+  uint32_t blases_built = 0;
+  uint32_t blases_refitted = 0;
+  uint64_t blas_triangles = 0;  ///< built or refitted in this tick
+  // Bytes of this world.
+  uint64_t shared_blas_bytes = 0;  ///< one a mesh
+  uint64_t own_blas_bytes = 0;     ///< allocated for BLASes of instances' own
+  uint64_t own_vertex_bytes = 0;   ///< allocated for their deformed vertices
+  uint64_t tlas_bytes = 0;         ///< with the instances that it is built from
+  uint64_t scratch_bytes = 0;      ///< working set of the builds
+  uint64_t total() const { return shared_blas_bytes + own_blas_bytes + own_vertex_bytes + tlas_bytes + scratch_bytes; }
+};
+
 struct FrameStats {
   uint64_t tick = 0;
   uint64_t applied_seq = 0;
@@ -114,6 +131,7 @@ struct FrameStats {
   uint64_t triangles_drawn = 0;  ///< rasterised
   double exposure = 1.0;         ///< factor on radiance
   MemoryUse memory;
+  AccelerationUse acceleration;
 };
 
 /// 8-bit sRGB pixels, 4 bytes each (the 4th is 255), rows top-down, no padding.
@@ -138,6 +156,12 @@ struct ViewRequest {
   ViewSettings settings;
 };
 
+/// Which instances rays can meet.
+enum class Culling {
+  full,            ///< all
+  frustum_radius,  ///< those in a viewer's frustum or within 800 m of a viewer [Kelling §4.2]; reference views: all
+};
+
 /// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
 /// one thread at a time.
 class Renderer {
@@ -150,6 +174,9 @@ class Renderer {
   virtual void removeWorld(WorldHandle world) = 0;
   virtual Result<ViewHandle> addView(WorldHandle world) = 0;
   virtual void removeView(ViewHandle view) = 0;
+
+  /// From the next tick on. Errors: no such world (not_found), a renderer that knows no culling (unsupported).
+  virtual Result<void> setCulling(WorldHandle world, Culling culling);
 
   /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the
   /// GPU. Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).

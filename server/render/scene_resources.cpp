@@ -7,6 +7,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "shared/animation.h"
 #include "shared/scene.h"
 
 namespace helio::render {
@@ -141,12 +142,14 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   indices_ = uploaded(device, commands, "triangle indices", indices);
 
   const std::vector<VkDeviceAddress> extras = uploadExtras(device, commands, scene);
+  const std::vector<VkDeviceAddress> deforms = uploadDeforms(device, commands, scene);
 
   // Tables of geometries, and what BLAS builds and draws need of them.
   const effects::EmitterTriangles emitters = effects::collectEmitters(scene);
   std::vector<shared::GeometryRecord> geometries;
   std::vector<shared::MeshRecord> meshes;
   std::vector<gpu::BlasInput> blas_inputs;
+  std::vector<size_t> shared_blas_of;  // mesh, by input
   for (size_t m = 0; m < scene.meshes.size(); ++m) {
     const scene::Mesh& mesh = scene.meshes[m];
     const effects::MeshEmitters& mesh_emitters = emitters.meshes[m];
@@ -170,7 +173,19 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
                                  submesh.index_count / 3, !cut_out});
       draws.push_back({record.positions, record.indices, submesh.index_count, cut_out});
     }
-    blas_inputs.push_back(std::move(blas));
+    // Of what deforms every instance has a BLAS of its own.
+    deforming_.emplace_back();
+    if (mesh.deforms()) {
+      deforming_.back() = {deforms[m],
+                           positions_.address() + first_vertex[m] * sizeof(glm::vec3),
+                           static_cast<uint32_t>(mesh.positions.size()),
+                           blas.geometries,
+                           gpu::movingBlasSizes(device, blas.geometries),
+                           mesh.indices.size() / 3};
+    } else {
+      shared_blas_of.push_back(m);
+      blas_inputs.push_back(std::move(blas));
+    }
     draws_.push_back(std::move(draws));
   }
   geometries_ = uploaded(device, commands, "the geometry table", geometries);
@@ -180,10 +195,70 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
 
   commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
   blases_ = gpu::buildBlases(commands, blas_inputs);
-  for (size_t m = 0; m < meshes.size(); ++m) meshes[m].blas = blases_[m].address();
+  for (size_t i = 0; i < blases_.size(); ++i) meshes[shared_blas_of[i]].blas = blases_[i].address();
   meshes_ = uploaded(device, commands, "the mesh table", meshes);
   commands.submit();
   (void)commands.finish();
+}
+
+uint64_t SceneResources::blasBytes() const {
+  uint64_t bytes = 0;
+  for (const gpu::AccelerationStructure& blas : blases_) bytes += blas.size();
+  return bytes;
+}
+
+std::vector<VkDeviceAddress> SceneResources::uploadDeforms(gpu::Device& device, gpu::Commands& commands,
+                                                           const scene::Scene& scene) {
+  // One buffer: skins, morph targets, then the records that say where they are (in bytes from the buffer's start, plus
+  // 1).
+  std::vector<std::byte> bytes;
+  const auto append = [&bytes](auto span) {
+    bytes.resize(gpu::alignUp(bytes.size(), size_t{16}));
+    const uint64_t at = bytes.size();
+    const auto raw = std::as_bytes(span);
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+    return at + 1;
+  };
+  std::vector<shared::MeshDeform> records;
+  std::vector<size_t> record_of_mesh(scene.meshes.size(), scene::kNone);
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const scene::Mesh& mesh = scene.meshes[m];
+    if (!mesh.deforms()) continue;
+    shared::MeshDeform record{};
+    record.vertex_count = static_cast<uint32_t>(mesh.positions.size());
+    record.fit_height = mesh.fit_height;
+    if (!mesh.skin.empty()) {
+      std::vector<shared::VertexSkinRecord> skin;
+      for (const scene::VertexSkin& v : mesh.skin)
+        skin.push_back({v.joints.x | uint32_t{v.joints.y} << 16, v.joints.z | uint32_t{v.joints.w} << 16,
+                        glm::packUnorm2x16(glm::vec2(v.weights)),
+                        glm::packUnorm2x16(glm::vec2(v.weights.z, v.weights.w))});
+      record.skin = append(std::span<const shared::VertexSkinRecord>(skin));
+    }
+    record.morph_count = static_cast<uint32_t>(mesh.morph_targets.size());
+    std::vector<glm::vec3> morphs;
+    for (const scene::MorphTarget& target : mesh.morph_targets) {
+      morphs.insert(morphs.end(), target.positions.begin(), target.positions.end());
+      morphs.insert(morphs.end(), target.normals.begin(), target.normals.end());
+    }
+    if (!morphs.empty()) record.morphs = append(std::span<const glm::vec3>(morphs));
+    record_of_mesh[m] = records.size();
+    records.push_back(record);
+  }
+  std::vector<VkDeviceAddress> addresses(scene.meshes.size(), 0);
+  if (records.empty()) return addresses;
+  const uint64_t records_at = gpu::alignUp(bytes.size(), size_t{16});
+  deforms_ = gpu::Buffer(device, {"skins and morph targets", records_at + records.size() * sizeof(shared::MeshDeform),
+                                  gpu::MemoryCategory::raster});
+  for (shared::MeshDeform& record : records)
+    for (uint64_t* table : {&record.skin, &record.morphs})
+      if (*table != 0) *table += deforms_.address() - 1;
+  if (!bytes.empty()) commands.upload(deforms_, 0, bytes);
+  commands.upload(deforms_, records_at, std::as_bytes(std::span(records)));
+  for (size_t m = 0; m < addresses.size(); ++m)
+    if (record_of_mesh[m] != scene::kNone)
+      addresses[m] = deforms_.address() + records_at + record_of_mesh[m] * sizeof(shared::MeshDeform);
+  return addresses;
 }
 
 std::vector<VkDeviceAddress> SceneResources::uploadExtras(gpu::Device& device, gpu::Commands& commands,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "effects/ggx_albedo.h"
 #include "render/camera_frame.h"
@@ -21,6 +22,21 @@ bool shines(const scene::Sky& sky) { return sky.zenith != glm::vec3(0.0f) || sky
 /// Something that light sampling chooses among.
 bool hasLamps(effects::EffectSet effects) {
   return effects.has(effects::Effect::emissive_triangles) || effects.has(effects::Effect::punctual_lights);
+}
+
+accel::ClipTable uploadClips(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene) {
+  commands.begin();
+  accel::ClipTable clips(device, commands, scene);
+  commands.submit();
+  (void)commands.finish();
+  return clips;
+}
+
+accel::Viewpoint viewpointOf(const ViewRequest& request) {
+  const CameraFrame frame = cameraFrame(request.camera);
+  const float aspect = static_cast<float>(request.settings.width) / static_cast<float>(request.settings.height);
+  return {accel::frustumOf(request.camera.position, frame.right, frame.up, frame.forward, frame.tangent, aspect),
+          request.settings.mode == Mode::reference};
 }
 
 bool usesRaster(const ViewSettings& settings) {
@@ -43,7 +59,11 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       commands_(*device_),
       resources_(*device_, commands_, *scene_),
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
-      tlas_(*device_),
+      clips_(uploadClips(*device_, commands_, *scene_)),
+      units_(*device_, *scene_, clips_, resources_.deforming()),
+      own_blases_(*device_),
+      strategy_(accel::fullStrategy()),
+      tlas_(*device_, commands_, *scene_),
       emitters_(*device_, *scene_),
       paths_(*device_),
       registry_(*scene_),
@@ -87,6 +107,12 @@ void WorldRenderer::removeView(ViewHandle handle) {
   views_.erase(handle);
 }
 
+void WorldRenderer::setCulling(Culling culling) {
+  const std::lock_guard lock(mutex_);
+  strategy_ = culling == Culling::full ? accel::fullStrategy() : accel::frustumRadiusStrategy();
+  reassemble_ = true;
+}
+
 Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
   const std::lock_guard lock(mutex_);
   for (const ViewRequest& request : requests) {
@@ -101,7 +127,16 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   }
 
   instances_.apply(changes, [this](uint32_t prefab, int64_t count) { registry_.place(prefab, count); });
-  const bool scene_changed = instances_.dirty() || changes.environment_changed;
+  units_.apply(changes, instances_, [this](uint32_t unit) { own_blases_.release(unit); });
+  const bool edited = instances_.dirty();
+  const bool moved = units_.pose(changes.time, instances_);
+  std::vector<accel::Viewpoint> viewers;
+  for (const ViewRequest& request : requests) viewers.push_back(viewpointOf(request));
+  strategy_->begin(viewers);
+  own_blases_.plan(wantedUnits(viewers), units_, changes.tick, moved);
+  // What culls follows the cameras.
+  reassemble_ = reassemble_ || edited || moved || own_blases_.hasWork() || strategy_->volumes() != nullptr;
+  const bool scene_changed = edited || moved || own_blases_.hasWork() || changes.environment_changed;
   environment_ = changes.environment;
   effects_ = registry_.present(environment_);
 
@@ -111,6 +146,9 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     // What was recorded never ran: the next tick brings all of it again.
     instances_.forget();
     ggx_albedo_ = {};
+    units_.forget();
+    own_blases_.forget();
+    reassemble_ = true;
     for (const auto& [handle, view] : views_) view->forget();
     throw;
   }
@@ -140,18 +178,64 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   return frames;
 }
 
+std::vector<uint32_t> WorldRenderer::wantedUnits(std::span<const accel::Viewpoint> viewers) const {
+  std::vector<std::pair<float, uint32_t>> ranked;
+  const std::vector<accel::Unit>& units = units_.units();
+  for (uint32_t unit = 0; unit < units.size(); ++unit) {
+    if (units[unit].slot == scene::kNone || !units_.deforms(unit)) continue;
+    const accel::PlacedInstance& placed = instances_.instances()[units[unit].slot];
+    if (!strategy_->wants(placed.centre, placed.radius)) continue;
+    float nearest = std::numeric_limits<float>::max();
+    for (const accel::Viewpoint& viewer : viewers)
+      nearest = std::min(nearest, glm::distance(viewer.volume.position, placed.centre));
+    ranked.emplace_back(nearest, unit);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<uint32_t> wanted;
+  for (const auto& [distance, unit] : ranked) wanted.push_back(unit);
+  return wanted;
+}
+
 void WorldRenderer::addWorldPasses(Graph& graph) {
-  if (!instances_.dirty() && tlas_.address() != 0) return;
-  graph.add("instances", Graph::kShared, {{&instances_, gpu::use::transfer_write}}, [this](gpu::Commands& commands) {
-    instances_.upload(commands);
-    tlas_.reserve(commands, static_cast<uint32_t>(instances_.order().size()));
-  });
+  if (!reassemble_ && tlas_.address() != 0) return;
+  reassemble_ = false;
+  graph.add("instances", Graph::kShared,
+            {{&instances_, gpu::use::transfer_write},
+             {&units_, gpu::use::transfer_write},
+             {&own_blases_, gpu::use::transfer_write},
+             {&tlas_, gpu::use::transfer_write}},
+            [this](gpu::Commands& commands) {
+              if (instances_.orderDirty() || !instances_.recordBuffer()) instances_.upload(commands);
+              if (units_.dirty()) units_.upload(commands);
+              own_blases_.upload(commands);
+              tlas_.reserve(commands, instances_, *strategy_);
+              tlas_.upload(commands);
+            });
   if ((instances_.emittersDirty() || emitters_.empty()) && hasLamps(effects_))
     graph.add("emitters", Graph::kShared, {{&emitters_, gpu::use::transfer_write}},
               [this](gpu::Commands& commands) { emitters_.upload(commands, instances_); });
-  graph.add("assemble", Graph::kShared, {{&instances_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
-            [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
-  graph.add("tlas", Graph::kShared, {{&tlas_, gpu::use::build_read}, {&tlas_, gpu::use::build_write}},
+  if (units_.dirty())
+    graph.add("pose", Graph::kShared, {{&units_, gpu::use::compute_write}, {&instances_, gpu::use::compute_write}},
+              [this](gpu::Commands& commands) { units_.record(commands, instances_); });
+  if (own_blases_.hasWork()) {
+    graph.add("deform", Graph::kShared,
+              // Who reads the instances reads the poses and vertices that belong to them.
+              {{&units_, gpu::use::compute_read},
+               {&instances_, gpu::use::compute_write},
+               {&own_blases_, gpu::use::compute_write}},
+              [this](gpu::Commands& commands) { own_blases_.deform(commands, instances_); });
+    graph.add("blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
+              [this](gpu::Commands& commands) { own_blases_.build(commands); });
+  }
+  graph.add(
+      "assemble", Graph::kShared,
+      {{&instances_, gpu::use::compute_read}, {&units_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
+      [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
+  graph.add("tlas", Graph::kShared,
+            {{&own_blases_, gpu::use::build_read},
+             {&tlas_, gpu::use::transfer_read},
+             {&tlas_, gpu::use::build_read},
+             {&tlas_, gpu::use::build_write}},
             [this](gpu::Commands& commands) { tlas_.build(commands); });
 }
 
@@ -311,7 +395,8 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.rays.retrace = state.retrace_rays;
   reportFaults(state.faults, settings.width, stats);
   stats.accumulated = view.accumulated();
-  stats.tlas_instances = static_cast<uint32_t>(instances_.order().size());
+  stats.tlas_instances = tlas_.entered();
+  stats.acceleration = accelerationUse(view);
   stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
   stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster),
@@ -339,6 +424,31 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
       for (uint64_t c = 0; c < 3; ++c) frame.radiance[3 * i + c] = texel[4 * i + c];
   }
   return frame;
+}
+
+AccelerationUse WorldRenderer::accelerationUse(const View& view) const {
+  const accel::OwnBlasFigures& own = own_blases_.figures();
+  AccelerationUse use;
+  use.own_blases = own.in_tlas;
+  use.own_blases_waiting = own.waiting;
+  use.blases_built = own.built;
+  use.blases_refitted = own.refitted;
+  use.blas_triangles = own.triangles;
+  const CameraFrame frame = cameraFrame(view.camera());
+  const float aspect = static_cast<float>(view.settings().width) / static_cast<float>(view.settings().height);
+  const shared::CullVolume frustum =
+      accel::frustumOf(view.camera().position, frame.right, frame.up, frame.forward, frame.tangent, aspect);
+  for (uint32_t unit = 0; unit < units_.units().size(); ++unit) {
+    if (!own_blases_.inTlas(unit)) continue;
+    const accel::PlacedInstance& placed = instances_.instances()[units_.units()[unit].slot];
+    use.own_blases_in_view += accel::inFrustum(frustum, placed.centre, placed.radius);
+  }
+  use.shared_blas_bytes = resources_.blasBytes();
+  use.own_blas_bytes = own_blases_.structureBytes();
+  use.own_vertex_bytes = own_blases_.vertexBytes();
+  use.tlas_bytes = tlas_.bytes();
+  use.scratch_bytes = tlas_.scratchBytes() + own_blases_.scratchBytes();
+  return use;
 }
 
 std::vector<EffectCost> WorldRenderer::effectCosts(const std::vector<PassTime>& passes) const {

@@ -6,7 +6,10 @@
 #include <mutex>
 
 #include "accel/instance_table.h"
+#include "accel/own_blases.h"
+#include "accel/strategy.h"
 #include "accel/tlas_assembly.h"
+#include "accel/units.h"
 #include "effects/registry.h"
 #include "render/emitter_instances.h"
 #include "render/passes.h"
@@ -26,6 +29,8 @@ class WorldRenderer {
 
   void addView(ViewHandle handle);
   void removeView(ViewHandle handle);
+  /// From the next tick on.
+  void setCulling(Culling culling);
 
   /// One tick (algorithms: apply edits → upload → assemble → build the TLAS → per view: primary hits → path trace →
   /// accumulate → exposure → tonemap → read back). Throws gpu::Failure; the changes are kept for the next tick then.
@@ -36,6 +41,9 @@ class WorldRenderer {
   void warmUp();
   std::vector<Frame> render(const world::ChangeSet& changes, std::span<const ViewRequest> requests, bool scene_changed);
   void addWorldPasses(Graph& graph);
+  /// Which units need a BLAS in this tick, the nearest to a viewer first.
+  std::vector<uint32_t> wantedUnits(std::span<const accel::Viewpoint> viewers) const;
+  AccelerationUse accelerationUse(const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
   /// The table of multiple scattering, made for the first view that asks for it.
@@ -50,6 +58,10 @@ class WorldRenderer {
   gpu::Commands commands_;
   SceneResources resources_;
   accel::InstanceTable instances_;
+  accel::ClipTable clips_;
+  accel::Units units_;
+  accel::OwnBlases own_blases_;
+  std::unique_ptr<accel::CullingStrategy> strategy_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;
   PathQueue paths_;
@@ -57,6 +69,7 @@ class WorldRenderer {
   effects::Registry registry_;
   effects::EffectSet effects_;
   scene::Environment environment_;
+  bool reassemble_ = true;  // the TLAS is not of this tick's instances, poses and viewers
   std::mutex mutex_;
   std::map<ViewHandle, std::unique_ptr<View>> views_;
 };

@@ -4,6 +4,10 @@
 #define HELIO_SURFACE_GLSL
 #include "lib/bindless.glsl"
 #include "lib/bsdf.glsl"
+// Of what is in a BLAS, hits read the very vertices that it was built of; of what is not, nothing must agree with them to
+// the last bit. (glslang 12 crashes on `precise` in a ray generation shader.)
+#define HELIO_PRECISE
+#include "lib/deform.glsl"
 #include "lib/effects.glsl"
 #include "lib/hit.glsl"
 #include "lib/math.glsl"
@@ -59,7 +63,18 @@ Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primiti
   IndexTable indices = IndexTable(t.geometry.indices);
   t.vertices = uvec3(indices.items[3 * primitive], indices.items[3 * primitive + 1], indices.items[3 * primitive + 2]);
   PositionTable positions = PositionTable(t.geometry.positions);
-  for (int i = 0; i < 3; ++i) t.p[i] = toWorld(instance, positions.items[t.vertices[i]]);
+  if (instance.deform == 0ul) {
+    for (int i = 0; i < 3; ++i) t.p[i] = toWorld(instance, positions.items[t.vertices[i]]);
+    return t;
+  }
+  const DeformRecord deform = DeformRef(instance.deform).record;
+  for (int i = 0; i < 3; ++i) {
+    // What has a BLAS was deformed already.
+    vec3 p;
+    if (deform.positions != 0ul) p = PositionTable(deform.positions).items[t.vertices[i]];
+    else p = deformPosition(deform, instance, positions.items[t.vertices[i]], t.vertices[i]);
+    t.p[i] = toWorld(instance, p);
+  }
   return t;
 }
 
@@ -171,7 +186,13 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   if (dot(s.geometric_normal, direction) > 0.0) s.geometric_normal = -s.geometric_normal;
 
   // Interpolate the shading normal.
-  vec3 normal = normalToWorld(instance, octahedral(a0.normal) * w.x + octahedral(a1.normal) * w.y + octahedral(a2.normal) * w.z);
+  vec3 normals[3] = vec3[3](octahedral(a0.normal), octahedral(a1.normal), octahedral(a2.normal));
+  vec3 tangents[3] = vec3[3](octahedral(a0.tangent & ~1u), octahedral(a1.tangent & ~1u), octahedral(a2.tangent & ~1u));
+  if (instance.deform != 0ul) {
+    const DeformRecord deform = DeformRef(instance.deform).record;
+    for (int i = 0; i < 3; ++i) deformFrame(deform, t.vertices[i], normals[i], tangents[i]);
+  }
+  vec3 normal = normalToWorld(instance, normals[0] * w.x + normals[1] * w.y + normals[2] * w.z);
   const float normal_length = length(normal);
   normal = normal_length > 1e-20 ? normal / normal_length : s.geometric_normal;
   const bool from_behind = dot(normal, s.geometric_normal) < 0.0;
@@ -210,7 +231,7 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
       // up to 1.
       s.emission *= textureLod(textures[nonuniformEXT(material.emissive_texture)], p.uv, 0.0).rgb;
     if (kNormalMaps && kMaterials != kMaterialsLambert && material.normal_texture != kNoTexture) {
-      vec3 tangent = vectorToWorld(instance, octahedral(a0.tangent & ~1u) * w.x + octahedral(a1.tangent & ~1u) * w.y + octahedral(a2.tangent & ~1u) * w.z);
+      vec3 tangent = vectorToWorld(instance, tangents[0] * w.x + tangents[1] * w.y + tangents[2] * w.z);
       tangent -= normal * dot(normal, tangent);
       const float tangent_length = length(tangent);
       if (tangent_length > 1e-20) {

@@ -3,6 +3,7 @@
 // Primary hits by rasterisation: positions are pulled by address and made relative to the camera before they are rotated,
 // so that a world of kilometres loses no precision near the eye.
 #include "primary/draw.glsl"
+#include "lib/deform.glsl"
 
 layout(buffer_reference, scalar) readonly buffer SlotTable { uint items[]; };
 
@@ -14,7 +15,8 @@ void main() {
   const uint slot = SlotTable(draw.slots).items[gl_InstanceIndex];
   const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const uint vertex = IndexTable(draw.indices).items[gl_VertexIndex];
-  const vec3 p = PositionTable(draw.positions).items[vertex];
+  vec3 p = PositionTable(draw.positions).items[vertex];
+  if (instance.deform != 0ul) p = deformPosition(DeformRef(instance.deform).record, instance, p, vertex);
   vec3 relative;
   for (int i = 0; i < 3; ++i) relative[i] = dot(instance.rows[i].xyz, p) + (instance.rows[i].w - frame.position[i]);
 

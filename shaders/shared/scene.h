@@ -93,6 +93,7 @@ struct InstanceRecord {
   uint mesh;             // kNoMesh: a free slot
   float emitter_weight;  // its power, up to a factor common to all; over FrameConstants.emitter_weight_sum: its
                          // probability
+  uint64_t deform;       // DeformRecord (shared/animation.h); 0: as its mesh is
 };
 
 // Entry of a table for Walker's alias method: take `index` itself with probability `keep`, else `alias`.

@@ -29,8 +29,12 @@ render::Renderer& renderer() {
 
 Stage::Stage(scene::ScenePtr scene) : viewed_(orThrow(ViewedWorld::open(renderer(), std::move(scene)))) {}
 
+void Stage::setCulling(render::Culling culling) {
+  if (auto set = renderer().setCulling(viewed_->handle(), culling); !set) throw std::runtime_error(set.error().message);
+}
+
 render::Frame Stage::tick(const scene::Camera& camera, const render::ViewSettings& settings) {
-  return orThrow(viewed_->tick(camera, settings));
+  return orThrow(viewed_->tick(camera, settings, step_));
 }
 
 render::Frame Stage::accumulate(const scene::Camera& camera, const render::ViewSettings& settings, uint32_t count) {

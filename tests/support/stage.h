@@ -23,10 +23,14 @@ class Stage {
   /// Ticks `count` times with a still camera; the last frame.
   render::Frame accumulate(const scene::Camera& camera, const render::ViewSettings& settings, uint32_t count);
   void edit(const std::vector<world::Edit>& edits);
+  /// Seconds that a tick advances the world's clock by; 1/60 at first.
+  void setStep(double seconds) { step_ = seconds; }
+  void setCulling(render::Culling culling);
   world::World& world() { return viewed_->world(); }
 
  private:
   std::unique_ptr<ViewedWorld> viewed_;
+  double step_ = 1.0 / 60.0;
 };
 
 glm::vec3 texel(const render::Frame& frame, uint32_t x, uint32_t y);

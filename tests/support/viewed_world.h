@@ -23,6 +23,7 @@ class ViewedWorld {
   Result<render::Frame> tick(const scene::Camera& camera, const render::ViewSettings& settings,
                              double seconds = 1.0 / 60.0);
   world::World& world() { return world_; }
+  render::WorldHandle handle() const { return handle_; }
 
  private:
   ViewedWorld(render::Renderer& renderer, scene::ScenePtr scene) : renderer_(renderer), world_(std::move(scene)) {}

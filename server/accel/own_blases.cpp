@@ -1,0 +1,136 @@
+#include "accel/own_blases.h"
+
+#include <algorithm>
+
+namespace helio::accel {
+namespace {
+
+constexpr uint64_t kVertexChunk = 4u << 20, kStructureChunk = 8u << 20;
+constexpr uint64_t kStructureAlignment = 256;  // what Vulkan asks for
+constexpr uint32_t kMostRows = 65'535;         // groups along y of one dispatch
+
+}  // namespace
+
+OwnBlases::OwnBlases(gpu::Device& device)
+    : device_(device),
+      vertices_pool_(device,
+                     {"deformed vertices", kVertexChunk, gpu::MemoryCategory::ray_tracing, gpu::Placement::device,
+                      VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR}),
+      structures_pool_(device, {"BLASes of instances' own", kStructureChunk, gpu::MemoryCategory::ray_tracing,
+                                gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR}),
+      deform_(device, "animate/deform.comp") {}
+
+void OwnBlases::release(uint32_t unit) {
+  if (unit >= structures_.size() || !structures_[unit].storage) return;
+  Structure& structure = structures_[unit];
+  structure.blas = {};
+  structures_pool_.free(structure.storage);
+  vertices_pool_.free(structure.vertices);
+  structure = {};  // plan() drops it from held_
+}
+
+void OwnBlases::forget() {
+  for (Structure& structure : structures_) structure.built = false;
+}
+
+void OwnBlases::plan(std::span<const uint32_t> wanted, Units& units, uint64_t tick, bool moved) {
+  if (structures_.size() < units.units().size()) structures_.resize(units.units().size());
+  figures_ = {};
+  jobs_.clear();
+  deform_jobs_.clear();
+  updates_.clear();
+  scratch_sizes_.clear();
+  most_vertices_ = 0;
+  for (const uint32_t unit : wanted) structures_[unit].wanted_at = tick;
+
+  std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
+  // What nobody wants leaves the TLAS now, and memory later: cameras swing back.
+  std::vector<uint32_t> aged;
+  for (const uint32_t unit : held_) {
+    Structure& structure = structures_[unit];
+    if (structure.wanted_at == tick) continue;
+    structure.in_tlas = false;
+    units.setBlas(unit, 0, 0);
+    if (tick - structure.wanted_at > kAgeLimit) aged.push_back(unit);
+  }
+  for (const uint32_t unit : aged) release(unit);
+  std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
+
+  BuildBudget left = budget_;
+  for (const uint32_t unit : wanted) {
+    const DeformingMesh& mesh = units.meshOf(unit);
+    Structure& structure = structures_[unit];
+    const bool posed = units.units()[unit].posed;
+    const bool in_turn = posed && moved && (unit + tick) % kRebuildEvery == 0;
+    // It was out of the TLAS for a while, or never in it: its pose is old, and a build is due.
+    const bool stale = !structure.built || (posed && !structure.in_tlas);
+    if (stale) {
+      if (left.builds == 0 || left.triangles < mesh.triangles) {
+        ++figures_.waiting;
+        structure.in_tlas = false;
+        units.setBlas(unit, 0, 0);
+        continue;
+      }
+      --left.builds;
+      left.triangles -= mesh.triangles;
+    } else if (!moved || !posed) {
+      structure.in_tlas = true;
+      units.setBlas(unit, structure.vertices.address, structure.blas.address());
+      ++figures_.in_tlas;
+      continue;
+    }
+    if (!structure.storage) {
+      structure.vertices = vertices_pool_.allocate(uint64_t{mesh.vertex_count} * sizeof(glm::vec3), 16);
+      structure.storage = structures_pool_.allocate(mesh.sizes.structure, kStructureAlignment);
+      structure.blas = gpu::AccelerationStructure(device_, "the BLAS of a unit",
+                                                  VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, structure.storage);
+      held_.push_back(unit);
+    }
+    const bool refit = !stale && !in_turn;
+    jobs_.push_back({unit, refit});
+    deform_jobs_.push_back({mesh.rest, structure.vertices.address, units.units()[unit].slot, mesh.vertex_count});
+    gpu::BlasUpdate update{structure.blas.handle(), mesh.geometries, refit};
+    for (gpu::BlasGeometry& geometry : update.geometries) geometry.positions = structure.vertices.address;
+    updates_.push_back(std::move(update));
+    scratch_sizes_.push_back(refit ? mesh.sizes.refit_scratch : mesh.sizes.build_scratch);
+    most_vertices_ = std::max(most_vertices_, mesh.vertex_count);
+    structure.built = structure.in_tlas = true;
+    units.setBlas(unit, structure.vertices.address, structure.blas.address());
+    ++figures_.in_tlas;
+    ++(refit ? figures_.refitted : figures_.built);
+    figures_.triangles += mesh.triangles;
+  }
+}
+
+void OwnBlases::upload(gpu::Commands& commands) {
+  if (deform_jobs_.empty()) return;
+  const uint64_t bytes = deform_jobs_.size() * sizeof(shared::DeformJob);
+  if (job_buffer_.size() < bytes) {
+    if (job_buffer_) commands.retire(std::move(job_buffer_));
+    job_buffer_ = gpu::Buffer(device_, {"what is deformed", bytes + bytes / 2, gpu::MemoryCategory::ray_tracing});
+  }
+  commands.upload<shared::DeformJob>(job_buffer_, 0, deform_jobs_);
+}
+
+void OwnBlases::deform(gpu::Commands& commands, const InstanceTable& table) const {
+  commands.bind(deform_);
+  for (size_t first = 0; first < deform_jobs_.size(); first += kMostRows) {
+    const auto rows = static_cast<uint32_t>(std::min<size_t>(kMostRows, deform_jobs_.size() - first));
+    commands.push(shared::DeformConstants{job_buffer_.address() + first * sizeof(shared::DeformJob),
+                                          table.recordBuffer().address()});
+    commands.dispatch((most_vertices_ + 63) / 64, rows);
+  }
+}
+
+void OwnBlases::build(gpu::Commands& commands) {
+  uint64_t scratch = 0;
+  for (const uint64_t size : scratch_sizes_) scratch = gpu::alignUp(scratch + size, device_.scratchAlignment());
+  if (scratch_.size() < scratch || scratch_.size() > 4 * std::max<uint64_t>(scratch, 1u << 20)) {
+    if (scratch_) commands.retire(std::move(scratch_));
+    scratch_ = gpu::Buffer(
+        device_, {"the scratch memory of moving BLASes", scratch + scratch / 4, gpu::MemoryCategory::ray_tracing});
+  }
+  gpu::updateBlases(commands, updates_, scratch_sizes_, scratch_, one_call_);
+}
+
+}  // namespace helio::accel
