@@ -67,6 +67,66 @@ double medianRelativeSquare(const Image& a, const Image& b) {
   return *middle;
 }
 
+namespace {
+
+/// Averages over 11 x 11 Gaussian windows, one a pixel; windows end at the border.
+std::vector<double> blurred(const std::vector<double>& values, size_t width, size_t height) {
+  constexpr int kRadius = 5;
+  constexpr double kSigma = 1.5;
+  const auto along = [&](const std::vector<double>& from, bool rows) {
+    std::vector<double> to(from.size());
+    for (size_t y = 0; y < height; ++y)
+      for (size_t x = 0; x < width; ++x) {
+        double sum = 0.0, weights = 0.0;
+        for (int k = -kRadius; k <= kRadius; ++k) {
+          const auto at = static_cast<int64_t>(rows ? x : y) + k;
+          if (at < 0 || at >= static_cast<int64_t>(rows ? width : height)) continue;
+          const double weight = std::exp(-0.5 * k * k / (kSigma * kSigma));
+          sum += weight * from[rows ? y * width + static_cast<size_t>(at) : static_cast<size_t>(at) * width + x];
+          weights += weight;
+        }
+        to[y * width + x] = sum / weights;
+      }
+    return to;
+  };
+  return along(along(values, true), false);
+}
+
+std::vector<double> tonemappedLuminance(const Image& image, double scale) {
+  std::vector<double> values;
+  for (size_t i = 0; i < image.rgb.size(); i += 3) {
+    const double luminance =
+        std::max(0.0, 0.2126 * static_cast<double>(image.rgb[i]) + 0.7152 * static_cast<double>(image.rgb[i + 1]) +
+                          0.0722 * static_cast<double>(image.rgb[i + 2]));
+    values.push_back(std::pow(scale * luminance / (1.0 + scale * luminance), 1.0 / 2.2));
+  }
+  return values;
+}
+
+}  // namespace
+
+double ssim(const Image& a, const Image& b) {
+  const glm::dvec3 average = mean(b);
+  const double luminance = glm::dot(average, glm::dvec3(0.2126, 0.7152, 0.0722));
+  const double scale = luminance > 0.0 ? 0.18 / luminance : 1.0;
+  const std::vector<double> x = tonemappedLuminance(a, scale), y = tonemappedLuminance(b, scale);
+  const auto product = [](const std::vector<double>& u, const std::vector<double>& v) {
+    std::vector<double> w(u.size());
+    for (size_t i = 0; i < u.size(); ++i) w[i] = u[i] * v[i];
+    return w;
+  };
+  const auto blur = [&](const std::vector<double>& v) { return blurred(v, b.width, b.height); };
+  const std::vector<double> mx = blur(x), my = blur(y), xx = blur(product(x, x)), yy = blur(product(y, y)),
+                            xy = blur(product(x, y));
+  constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;
+  double sum = 0.0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double vx = xx[i] - mx[i] * mx[i], vy = yy[i] - my[i] * my[i], cov = xy[i] - mx[i] * my[i];
+    sum += (2.0 * mx[i] * my[i] + kC1) * (2.0 * cov + kC2) / ((mx[i] * mx[i] + my[i] * my[i] + kC1) * (vx + vy + kC2));
+  }
+  return sum / static_cast<double>(x.size());
+}
+
 double noiseFloor(const Image& first, const Image& second) {
   double sum = 0.0;
   for (size_t i = 0; i < first.rgb.size(); ++i) {

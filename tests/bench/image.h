@@ -26,6 +26,11 @@ double relativeMse(const Image& a, const Image& b);
 /// The median over pixels of the same, each the mean of its channels: blind to a few bright outliers.
 double medianRelativeSquare(const Image& a, const Image& b);
 
+/// Structural similarity of the tonemapped luminances, 1 for equal pictures [Wang et al. 2004]: Gaussian windows of 11
+/// pixels, sigma 1.5. Both are scaled so that the mean luminance of `b` is middle grey, compressed by x / (1 + x), and
+/// encoded with a gamma of 2.2.
+double ssim(const Image& a, const Image& b);
+
 /// The relative mean square error against the truth that the mean of two independent images of one sample count has
 /// from noise alone, estimated from their difference.
 double noiseFloor(const Image& first, const Image& second);

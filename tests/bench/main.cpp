@@ -8,6 +8,8 @@
 
 #include "bench/command.h"
 #include "bench/crash.h"
+#include "bench/culling.h"
+#include "bench/edit_storm.h"
 #include "bench/fidelity.h"
 #include "bench/frame.h"
 #include "bench/report.h"
@@ -38,6 +40,8 @@ int main(int argc, char** argv) {
   bench::addFrameCommand(app, command_line, action);
   bench::addFidelityCommand(app, command_line, action);
   bench::addSamplerCommand(app, command_line, action);
+  bench::addCullingCommand(app, command_line, action);
+  bench::addEditStormCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);
   try {

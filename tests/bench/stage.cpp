@@ -31,9 +31,12 @@ std::optional<world::Pose> poseOf(const glm::mat4x3& transform) {
   return pose;
 }
 
+}  // namespace
+
 Result<scene::ScenePtr> makeScene(const StageOptions& options) {
   if (options.scene != "city") return scene::loadGltf(options.scene);
-  return scene::generateCity({options.seed.value_or(kSeed), options.instances.value_or(kInstances)});
+  return scene::generateCity(
+      {options.seed.value_or(kSeed), options.instances.value_or(kInstances), options.animated.value_or(0)});
 }
 
 Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const std::string& name) {
@@ -47,14 +50,13 @@ Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const st
       ErrorKind::not_found, "the scene has no camera \"" + name + "\": give one of " + names, "--camera", name, {}};
 }
 
-}  // namespace
-
 void addStageOptions(CLI::App& command, StageOptions& options) {
   command.add_option("--scene", options.scene, "city, or a .gltf or .glb file")->capture_default_str();
   command.add_option("--camera", options.camera,
                      "one of the scene's cameras by name, in its own light; default: its first");
   command.add_option("--instances", options.instances,
                      "static instances of the city, 1,000 to 1,000,000; default: 10,000");
+  command.add_option("--animated", options.animated, "moving units of the city, 0 to 10,000; default: 0");
   command.add_option("--seed", options.seed, "of the city; default: 1");
 }
 
@@ -71,9 +73,9 @@ void addSizeOption(CLI::App& command, uint32_t& width, uint32_t& height) {
 }
 
 Result<void> check(const StageOptions& options) {
-  if (options.scene != "city" && (options.instances || options.seed))
+  if (options.scene != "city" && (options.instances || options.seed || options.animated))
     return invalid("--scene", options.scene,
-                   "--instances and --seed are the city's: leave them out with --scene " + options.scene);
+                   "--instances, --animated and --seed are the city's: leave them out with --scene " + options.scene);
   return {};
 }
 

@@ -21,9 +21,15 @@ struct StageOptions {
   std::string camera;                 ///< a name; empty: the scene's first
   std::optional<uint32_t> instances;  ///< of the city, default 10,000
   std::optional<uint64_t> seed;       ///< of the city, default 1
+  std::optional<uint32_t> animated;   ///< units of the city, default 0
 };
 
-/// --scene, --camera, --instances and --seed, which refer to `options` from then on.
+/// The scene that the options name.
+Result<scene::ScenePtr> makeScene(const StageOptions& options);
+/// One of the scene's cameras by name; without a name its first. Errors: not_found.
+Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const std::string& name);
+
+/// --scene, --camera, --instances, --animated and --seed, which refer to `options` from then on.
 void addStageOptions(CLI::App& command, StageOptions& options);
 /// --size WIDTHxHEIGHT.
 void addSizeOption(CLI::App& command, uint32_t& width, uint32_t& height);

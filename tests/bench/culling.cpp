@@ -1,0 +1,239 @@
+#include "bench/culling.h"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <iostream>
+#include <map>
+
+#include "bench/files.h"
+#include "bench/image.h"
+#include "bench/progress.h"
+
+namespace helio::bench {
+namespace {
+
+constexpr const char* kNotes = R"(What is measured:
+  A city in which everything moves, seen by one of its cameras. Every strategy has a world of its own; their ticks
+  alternate, so whatever slows the machine down meets all of them alike. full: everything is in the TLAS.
+  frustum_radius: what is in the frustum or within 800 m.
+  Then time stands still, and the pictures of all strategies are averaged over the same samples: their errors are
+  against full. Indirect light is the picture without what paths of one scattering bring.
+
+Examples:
+  helio-bench culling --camera animated_models --instances 2000 --animated 500 --size 160x90 --frames 5
+  helio-bench culling --camera tilted_city --instances 100000 --animated 6000 --size 1920x1080 --device NVIDIA --json)";
+
+double passMs(const render::FrameStats& frame, std::initializer_list<const char*> passes) {
+  double ms = 0.0;
+  for (const render::PassTime& time : frame.passes)
+    for (const char* pass : passes)
+      if (time.name == pass) ms += time.ms;
+  return ms;
+}
+
+class Contestant {
+ public:
+  static Result<std::unique_ptr<Contestant>> start(render::Renderer& renderer, const CullingOptions& options,
+                                                   const scene::ScenePtr& scene, const scene::NamedCamera& camera,
+                                                   render::Culling culling) {
+    std::unique_ptr<Contestant> result(new Contestant(renderer, options, scene, camera, culling));
+    const auto handle = renderer.addWorld(scene);
+    if (!handle) return handle.error();
+    result->handle_ = *handle;
+    if (auto set = renderer.setCulling(*handle, culling); !set) return set.error();
+    if (auto viewed = result->newView(); !viewed) return viewed.error();
+    return result;
+  }
+  ~Contestant() {
+    if (handle_) renderer_.removeWorld(handle_);
+  }
+
+  Result<void> tick(double seconds, bool measured) {
+    render::ViewSettings settings = base();
+    settings.accumulate = false;
+    const auto frame = render(seconds, settings);
+    if (!frame) return frame.error();
+    if (measured) frames_.push_back(frame->stats);
+    return {};
+  }
+
+  /// The mean of the options' samples while time stands, in a view of its own: all contestants draw the same samples.
+  Result<Image> still(uint32_t bounces) {
+    if (auto viewed = newView(); !viewed) return viewed.error();
+    render::ViewSettings settings = base();
+    settings.bounces = bounces;
+    settings.auto_exposure = false;
+    settings.samples = 8;
+    render::Frame last;
+    for (uint32_t n = 0; n < options_.samples; n += settings.samples) {
+      settings.keep_radiance = n + settings.samples >= options_.samples;
+      auto frame = render(0.0, settings);
+      if (!frame) return frame.error();
+      last = std::move(*frame);
+    }
+    return Image{options_.width, options_.height, std::move(last.radiance)};
+  }
+
+  CullingRun summary() const {
+    const auto of = [this](const std::function<double(const render::FrameStats&)>& value) {
+      std::vector<double> values;
+      for (const render::FrameStats& frame : frames_) values.push_back(value(frame));
+      return summarise(values);
+    };
+    using Stats = render::FrameStats;
+    CullingRun run;
+    run.strategy = name(culling_);
+    run.tlas_instances = of([](const Stats& f) { return double(f.tlas_instances); });
+    run.own_blas_count = of([](const Stats& f) { return double(f.acceleration.own_blases); });
+    run.own_blas_in_view = of([](const Stats& f) { return double(f.acceleration.own_blases_in_view); });
+    run.blas_triangles = of([](const Stats& f) { return double(f.acceleration.blas_triangles); });
+    run.skin_ms = of([](const Stats& f) { return passMs(f, {"pose", "deform"}); });
+    run.blas_ms = of([](const Stats& f) { return passMs(f, {"blas"}); });
+    run.tlas_ms = of([](const Stats& f) { return passMs(f, {"tlas"}); });
+    run.assemble_ms = of([](const Stats& f) { return passMs(f, {"assemble"}); });
+    run.path_trace_ms = of([](const Stats& f) { return passMs(f, {"path_trace"}); });
+    run.shadow_ms = of([](const Stats& f) { return passMs(f, {"shadow_map"}); });
+    run.primary_ms = of([](const Stats& f) { return passMs(f, {"draw_list", "primary_raster", "primary_traced"}); });
+    run.frame_ms = of([](const Stats& f) { return f.gpu_ms; });
+    run.memory = frames_.back().acceleration;
+    return run;
+  }
+
+ private:
+  Contestant(render::Renderer& renderer, const CullingOptions& options, const scene::ScenePtr& scene,
+             const scene::NamedCamera& camera, render::Culling culling)
+      : renderer_(renderer), options_(options), world_(scene), camera_(camera), culling_(culling) {}
+
+  render::ViewSettings base() const {
+    render::ViewSettings settings;
+    settings.width = options_.width;
+    settings.height = options_.height;
+    return settings;
+  }
+  Result<void> newView() {
+    if (view_) renderer_.removeView(view_);
+    const auto view = renderer_.addView(handle_);
+    if (!view) return view.error();
+    view_ = *view;
+    return {};
+  }
+  Result<render::Frame> render(double seconds, const render::ViewSettings& settings) {
+    world::ChangeSet changes = world_.beginTick(seconds);
+    changes.environment = camera_.environment;
+    const render::ViewRequest request{view_, camera_.camera, settings};
+    auto frames = renderer_.tick(handle_, changes, {&request, 1});
+    if (!frames) return frames.error();
+    return std::move(frames->front());
+  }
+
+  render::Renderer& renderer_;
+  const CullingOptions& options_;
+  world::World world_;
+  const scene::NamedCamera& camera_;
+  render::Culling culling_;
+  render::WorldHandle handle_ = 0;
+  render::ViewHandle view_ = 0;
+  std::vector<render::FrameStats> frames_;
+};
+
+Image difference(const Image& a, const Image& b) {
+  Image result = a;
+  for (size_t i = 0; i < a.rgb.size(); ++i) result.rgb[i] -= b.rgb[i];
+  return result;
+}
+
+Result<void> measureCulling(const CullingOptions& options, const std::string& command_line) {
+  auto renderer = render::makeRenderer({options.device});
+  if (!renderer) return renderer.error();
+  CullingReport report;
+  report.provenance = provenance((*renderer)->device(), command_line);
+  const Result<scene::ScenePtr> scene = [&] {
+    const Progress progress("making the scene");
+    return makeScene(options.stage);
+  }();
+  if (!scene) return scene.error();
+  const auto camera = findCamera(**scene, options.stage.camera);
+  if (!camera) return camera.error();
+  report.camera = (*camera)->name;
+  report.instances = (*scene)->placements.size();
+  report.animated = options.stage.animated.value_or(0);
+  report.width = options.width;
+  report.height = options.height;
+  report.frames = options.frames;
+  report.warmup = options.warmup;
+  report.samples = options.samples;
+
+  constexpr double kTick = 1.0 / 60.0;
+  std::vector<std::unique_ptr<Contestant>> contestants;
+  for (const render::Culling culling : options.strategies) {
+    auto contestant = Contestant::start(**renderer, options, *scene, **camera, culling);
+    if (!contestant) return contestant.error();
+    contestants.push_back(std::move(*contestant));
+  }
+  {
+    Progress progress("measuring", options.warmup + options.frames);
+    for (uint32_t i = 0; i < options.warmup + options.frames; ++i, progress.step())
+      for (auto& contestant : contestants)
+        if (auto done = contestant->tick(kTick, i >= options.warmup); !done) return done;
+  }
+  std::vector<Image> composites, indirects;
+  {
+    Progress progress("comparing pictures", contestants.size());
+    for (auto& contestant : contestants) {
+      auto composite = contestant->still(render::ViewSettings{}.bounces);
+      if (!composite) return composite.error();
+      const auto direct = contestant->still(0);
+      if (!direct) return direct.error();
+      indirects.push_back(difference(*composite, *direct));
+      composites.push_back(std::move(*composite));
+      progress.step();
+    }
+  }
+  for (size_t i = 0; i < contestants.size(); ++i) {
+    report.runs.push_back(contestants[i]->summary());
+    report.runs.back().composite = {relativeMse(composites[i], composites[0]), ssim(composites[i], composites[0])};
+    report.runs.back().indirect = {relativeMse(indirects[i], indirects[0]), ssim(indirects[i], indirects[0])};
+  }
+  std::cout << (options.json ? toJson(report).dump(2) + "\n" : toMarkdown(report)) << std::flush;
+  if (!std::cout) return Error{ErrorKind::internal, "cannot write the result to standard output", {}, {}, {}};
+  return options.plot.empty() ? Result<void>() : writeFile(options.plot, toSvg(report));
+}
+
+}  // namespace
+
+void addCullingCommand(CLI::App& app, const std::string& command_line, Action& chosen) {
+  const auto options = std::make_shared<CullingOptions>();
+  const auto strategies =
+      std::make_shared<std::vector<std::string>>(std::vector<std::string>{"full", "frustum_radius"});
+  CLI::App& command =
+      *app.add_subcommand("culling", "compares the culling strategies: times, memory and error by strategy");
+  command.footer(kNotes);
+  addStageOptions(command, options->stage);
+  addSizeOption(command, options->width, options->height);
+  command.add_option("--frames", options->frames, "measured, 1 to 100,000")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100'000).description(""));
+  command.add_option("--warmup", options->warmup, "ticks before the first measured one")->capture_default_str();
+  command.add_option("--samples", options->samples, "a pixel, averaged for the image error; a multiple of 8")
+      ->capture_default_str()
+      ->check(CLI::Range(8, 1'000'000).description(""));
+  command.add_option("--strategies", *strategies, "full, then what is compared with it")
+      ->delimiter(',')
+      ->capture_default_str()
+      ->check(CLI::IsMember({"full", "frustum_radius"}));
+  command.add_option("--device", options->device,
+                     "part of a Vulkan device's name, cpu or gpu; default: HELIOGRAPH_DEVICE, then the best there is");
+  command.add_flag("--json", options->json, "one JSON document, schema heliograph.bench.culling/1");
+  command.add_option("--plot", options->plot, "SVG file for bars of times and memory");
+  command.callback([&chosen, options, strategies, command_line] {
+    if (strategies->empty() || strategies->front() != "full")
+      throw CLI::ValidationError("--strategies", "errors are against full: give it first");
+    options->strategies.clear();
+    for (const std::string& strategy : *strategies)
+      options->strategies.push_back(strategy == "full" ? render::Culling::full : render::Culling::frustum_radius);
+    if (auto valid = check(options->stage); !valid) throw CLI::ValidationError("--scene", valid.error().message);
+    chosen = [options, command_line] { return measureCulling(*options, command_line); };
+  });
+}
+
+}  // namespace helio::bench
