@@ -126,6 +126,7 @@ Connection::Connection(std::string address, const std::optional<Credentials>& cr
     : address_(std::move(address)), encrypted_(credentials.has_value()) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a TCP connection of its own
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
   const auto channel = makeChannel(address_, credentials, arguments);
