@@ -176,10 +176,12 @@ Relay::~Relay() {
     if (fd >= 0) close(fd);
 }
 
+/// Returns when it is done: what the client says next must not get through.
 void Relay::command(Command command) {
   commands_ |= command;
   const uint64_t one = 1;
-  if (::write(wake_, &one, sizeof one) < 0) return;  // full: it is awake already
+  if (::write(wake_, &one, sizeof one) < 0) return;  // cannot be: the counter holds 2^64 - 2
+  for (unsigned left = commands_; left & command; left = commands_) commands_.wait(left);
 }
 
 void Relay::accept() {
@@ -216,7 +218,7 @@ void Relay::run() {
 
     uint64_t ignored;
     if (fds[1].revents && ::read(wake_, &ignored, sizeof ignored) < 0) continue;
-    const unsigned commands = commands_.exchange(0);
+    const unsigned commands = commands_;
     if (commands & kEnd) break;
     size_t index = 2;
     for (const auto& link : links_) {
@@ -234,9 +236,13 @@ void Relay::run() {
     links_.remove_if([](const auto& link) {
       return !link->frozen && (link->broken || (link->up.finished() && link->down.finished()));
     });
+    commands_ &= ~commands;
+    commands_.notify_all();
     if (fds[0].revents) accept();
   }
   links_.clear();
+  commands_ = 0;
+  commands_.notify_all();
 }
 
 }  // namespace helio::load
