@@ -1,7 +1,7 @@
 # Target `bundle`: one folder with the programs, the GPU tests and the shared libraries they need, which runs on another
 # x86-64 Linux that has a Vulkan driver and the C and C++ run-time libraries of Debian 12 or newer (glibc 2.36, GCC 12).
 set(programs)
-foreach(program heliographd helio helio-bench)
+foreach(program heliographd helio helio-load helio-bench)
   if(TARGET ${program})
     list(APPEND programs ${program})
   endif()

@@ -126,8 +126,9 @@ Connection::Connection(std::string address, const std::optional<Credentials>& cr
     : address_(std::move(address)), encrypted_(credentials.has_value()) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a TCP connection of its own
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
-  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // an attempt's time limit, for far and busy servers
   const auto channel = makeChannel(address_, credentials, arguments);
   worlds_ = v1::WorldService::NewStub(channel);
   viewers_ = v1::ViewerService::NewStub(channel);

@@ -29,6 +29,7 @@ using Clock = std::chrono::steady_clock;
 Error errorOf(const grpc::Status& status, const grpc::ClientContext& context);
 v1::ErrorDetail detailOf(const grpc::ClientContext& context);
 
+/// Shares its TCP connection with no other.
 class Connection {
  public:
   /// With what `helio login` kept for this address: TLS and a token; or else in plain text. Does not connect yet; the

@@ -15,6 +15,7 @@
 #include "bench/report.h"
 #include "bench/sampler.h"
 #include "bench/stability.h"
+#include "bench/stream.h"
 
 namespace {
 
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
   bench::addEditStormCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);
+  bench::addStreamCommand(app, command_line, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
