@@ -37,7 +37,8 @@ class ViewerSession {
   void change(const v1::Settings& settings);
   /// No more messages: the server ends the stream, and next() comes to its end.
   void leave();
-  /// Ends the stream at once: next() comes to its end with an error. Not with Options::reattach, which replaces streams.
+  /// Ends the stream at once: next() comes to its end with an error. Not with Options::reattach, which replaces
+  /// streams.
   void cancel() { stream_->context.TryCancel(); }
 
   struct Received {
