@@ -125,7 +125,7 @@ void OwnBlases::deform(gpu::Commands& commands, const InstanceTable& table) cons
 void OwnBlases::build(gpu::Commands& commands) {
   uint64_t scratch = 0;
   for (const uint64_t size : scratch_sizes_) scratch = gpu::alignUp(scratch + size, device_.scratchAlignment());
-  if (scratch_.size() < scratch || scratch_.size() > 4 * std::max<uint64_t>(scratch, 1u << 20)) {
+  if (scratch_.size() < scratch || scratch_.size() > 4 * scratch) {
     if (scratch_) commands.retire(std::move(scratch_));
     scratch_ = gpu::Buffer(
         device_, {"the scratch memory of moving BLASes", scratch + scratch / 4, gpu::MemoryCategory::ray_tracing});

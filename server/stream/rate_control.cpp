@@ -52,8 +52,9 @@ void RateControl::learnSize(uint64_t bytes, int quality) {
 void RateControl::sent(uint64_t id, uint64_t bytes, int quality, Clock::time_point now) {
   flying_.push_back({id, bytes, now, delivered_});
   learnSize(bytes, quality);
+  // One picture may be on its way while the one before still uses up its time: each adds its own.
   if (const auto bound = rate())
-    next_ = now + std::chrono::duration_cast<Clock::duration>(
+    next_ = std::max(next_, now) + std::chrono::duration_cast<Clock::duration>(
                       std::chrono::duration<double>(static_cast<double>(bytes) / *bound));
 }
 

@@ -125,18 +125,6 @@ TEST(Numerics, AThroughputIsCountedToo) {
   EXPECT_EQ(frame->stats.nonfinite, uint64_t{kSize} * kSize);
 }
 
-// A triangle so large that its normal overflows floats is the primary hits' fault.
-TEST(Numerics, ASurfaceWithoutANormalIsThePrimaryHits) {
-  SceneBuilder b;
-  b.place(b.prefab("plane", quad(1e20f), b.material(lambert(glm::vec3(0.5f)))), at({0, 0, 0}));
-  auto viewed = ViewedWorld::open(lenient(), b.build());
-  ASSERT_TRUE(viewed) << viewed.error().message;
-  auto frame = (*viewed)->tick(kDown, settingsOf(Mode::hybrid, Primary::raster));
-  ASSERT_TRUE(frame) << frame.error().message;
-  ASSERT_FALSE(frame->stats.dropped.empty());
-  EXPECT_EQ(frame->stats.dropped[0].pass, "primary");
-}
-
 // When what was broken is gone, so is all trace of it.
 TEST(Numerics, NothingStays) {
   SceneBuilder b;
