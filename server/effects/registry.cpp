@@ -38,6 +38,7 @@ constexpr std::array<Row, kEffects> kTable{{
     {"unlit", [](const scene::Material& m) { return m.unlit; }, never},
     {"alpha_masks", [](const scene::Material& m) { return m.masked(); }, never},
     {"punctual_lights", never, never, never, [](const scene::Scene& s) { return !s.lights.empty(); }},
+    {"deforming", never, never, [](const scene::Mesh& m) { return m.deforms(); }},
 }};
 
 }  // namespace

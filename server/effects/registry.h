@@ -27,9 +27,10 @@ enum class Effect : uint32_t {
   specular,
   unlit,
   alpha_masks,
-  punctual_lights
+  punctual_lights,
+  deforming
 };
-inline constexpr size_t kEffects = 12;
+inline constexpr size_t kEffects = 13;
 
 /// A set of effects as bits.
 struct EffectSet {

@@ -55,7 +55,7 @@ void RateControl::sent(uint64_t id, uint64_t bytes, int quality, Clock::time_poi
   // One picture may be on its way while the one before still uses up its time: each adds its own.
   if (const auto bound = rate())
     next_ = std::max(next_, now) + std::chrono::duration_cast<Clock::duration>(
-                      std::chrono::duration<double>(static_cast<double>(bytes) / *bound));
+                                       std::chrono::duration<double>(static_cast<double>(bytes) / *bound));
 }
 
 void RateControl::acknowledged(uint64_t id, Clock::duration round_trip, Clock::duration smallest,

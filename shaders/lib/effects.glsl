@@ -16,6 +16,7 @@ layout(constant_id = 8) const bool kSpecular = true;
 layout(constant_id = 9) const bool kUnlit = true;
 layout(constant_id = 10) const bool kAlphaMasks = true;
 layout(constant_id = 11) const bool kPunctualLights = true;
+layout(constant_id = 12) const bool kDeforming = true;
 
 // What stands in the place of all materials: shared/material_override.h.
 layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;

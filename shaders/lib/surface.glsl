@@ -16,9 +16,9 @@
 
 const float kWhiteAlbedo = 0.8;
 
-// A triangle in world space.
 struct Triangle {
-  vec3 p[3];
+  vec3 p[3];      // world space
+  vec3 local[3];  // object space, deformed
   uvec3 vertices;
   GeometryRecord geometry;
 };
@@ -63,18 +63,16 @@ Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primiti
   IndexTable indices = IndexTable(t.geometry.indices);
   t.vertices = uvec3(indices.items[3 * primitive], indices.items[3 * primitive + 1], indices.items[3 * primitive + 2]);
   PositionTable positions = PositionTable(t.geometry.positions);
-  if (instance.deform == 0ul) {
-    for (int i = 0; i < 3; ++i) t.p[i] = toWorld(instance, positions.items[t.vertices[i]]);
-    return t;
+  for (int i = 0; i < 3; ++i) t.local[i] = positions.items[t.vertices[i]];
+  if (kDeforming && instance.deform != 0ul) {
+    const DeformRecord deform = DeformRef(instance.deform).record;
+    for (int i = 0; i < 3; ++i) {
+      // What has a BLAS was deformed already.
+      if (deform.positions != 0ul) t.local[i] = PositionTable(deform.positions).items[t.vertices[i]];
+      else t.local[i] = deformPosition(deform, instance, t.local[i], t.vertices[i]);
+    }
   }
-  const DeformRecord deform = DeformRef(instance.deform).record;
-  for (int i = 0; i < 3; ++i) {
-    // What has a BLAS was deformed already.
-    vec3 p;
-    if (deform.positions != 0ul) p = PositionTable(deform.positions).items[t.vertices[i]];
-    else p = deformPosition(deform, instance, positions.items[t.vertices[i]], t.vertices[i]);
-    t.p[i] = toWorld(instance, p);
-  }
+  for (int i = 0; i < 3; ++i) t.p[i] = toWorld(instance, t.local[i]);
   return t;
 }
 
@@ -121,11 +119,12 @@ vec4 readTexture(uint texture_index, TexturePoint p) {
 
 // From the point with weights `w` of a triangle to the surface through its vertices that its normals tell of, where that is
 // convex: rays that leave from there do not meet its flat neighbours at grazing angles [Hanika 2021, Ray Tracing Gems II,
-// ch. 4]. The normals point to the side of the viewer.
-vec3 roundingOf(Triangle t, vec3 w, vec3 p, vec3 normals[3]) {
+// ch. 4]. In object space; `side`: -1 where the normals point away from the viewer, else 1.
+vec3 roundingOf(Triangle t, vec3 w, vec3 normals[3], float side) {
+  const vec3 p = t.local[0] * w.x + t.local[1] * w.y + t.local[2] * w.z;
   vec3 rounding = vec3(0.0);
-  for (int i = 0; i < 3; ++i) rounding += (w[i] * max(0.0, dot(t.p[i] - p, normals[i]))) * normals[i];
-  return rounding;
+  for (int i = 0; i < 3; ++i) rounding += (w[i] * max(0.0, side * dot(t.local[i] - p, normals[i]))) * normals[i];
+  return side * rounding;
 }
 
 // Share of its light that a GGX lobe of reflectance 1 scatters once: from the table, bilinear.
@@ -188,7 +187,7 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   // Interpolate the shading normal.
   vec3 normals[3] = vec3[3](octahedral(a0.normal), octahedral(a1.normal), octahedral(a2.normal));
   vec3 tangents[3] = vec3[3](octahedral(a0.tangent & ~1u), octahedral(a1.tangent & ~1u), octahedral(a2.tangent & ~1u));
-  if (instance.deform != 0ul) {
+  if (kDeforming && instance.deform != 0ul) {
     const DeformRecord deform = DeformRef(instance.deform).record;
     for (int i = 0; i < 3; ++i) deformFrame(deform, t.vertices[i], normals[i], tangents[i]);
   }
@@ -198,12 +197,7 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   const bool from_behind = dot(normal, s.geometric_normal) < 0.0;
   s.rounding = vec3(0.0);
   if (frame.round_surfaces != 0u && (a0.normal != a1.normal || a0.normal != a2.normal)) {
-    vec3 normals[3] = vec3[3](octahedral(a0.normal), octahedral(a1.normal), octahedral(a2.normal));
-    for (int i = 0; i < 3; ++i) {
-      const vec3 n = normalToWorld(instance, normals[i]);
-      normals[i] = n * ((from_behind ? -1.0 : 1.0) / max(1e-20, length(n)));
-    }
-    s.rounding = roundingOf(t, w, s.position, normals);
+    s.rounding = vectorToWorld(instance, roundingOf(t, w, normals, from_behind ? -1.0 : 1.0));
   }
   s.rounded = dot(s.rounding, s.rounding) > 0.0;
 

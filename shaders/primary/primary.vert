@@ -16,7 +16,7 @@ void main() {
   const InstanceRecord instance = InstanceTable(frame.instances).items[slot];
   const uint vertex = IndexTable(draw.indices).items[gl_VertexIndex];
   vec3 p = PositionTable(draw.positions).items[vertex];
-  if (instance.deform != 0ul) p = deformPosition(DeformRef(instance.deform).record, instance, p, vertex);
+  if (kDeforming && instance.deform != 0ul) p = deformPosition(DeformRef(instance.deform).record, instance, p, vertex);
   vec3 relative;
   for (int i = 0; i < 3; ++i) relative[i] = dot(instance.rows[i].xyz, p) + (instance.rows[i].w - frame.position[i]);
 

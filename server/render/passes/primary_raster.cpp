@@ -6,8 +6,9 @@ namespace helio::render {
 
 PrimaryRaster::PrimaryRaster(gpu::Device& device) : device_(device) {
   for (const bool masks : {false, true}) {
-    // A mask may need any texture coordinates and vertex colours: all effects, or none.
+    // A mask may need any texture coordinates and vertex colours: all effects, or none but what moves vertices.
     effects::EffectSet effects;
+    effects.add(effects::Effect::deforming);
     if (masks) effects.bits = ~0u;
     pipelines_[masks] = gpu::RasterPipeline(device, {"primary/primary.vert",
                                                      "primary/primary.frag",
