@@ -192,6 +192,7 @@ std::vector<uint32_t> WorldRenderer::wantedUnits(std::span<const accel::Viewpoin
   }
   std::sort(ranked.begin(), ranked.end());
   std::vector<uint32_t> wanted;
+  wanted.reserve(ranked.size());
   for (const auto& [distance, unit] : ranked) wanted.push_back(unit);
   return wanted;
 }

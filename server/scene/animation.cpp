@@ -159,8 +159,8 @@ glm::mat4x3 Route::at(double distance) const {
 }
 
 float HeightGrid::height(const glm::vec2& xz) const {
-  const auto rows = static_cast<float>(heights.size() / columns);
-  const glm::vec2 last(static_cast<float>(columns) - 1.0f, rows - 1.0f);
+  const size_t rows = heights.size() / columns;
+  const glm::vec2 last(static_cast<float>(columns) - 1.0f, static_cast<float>(rows) - 1.0f);
   const glm::vec2 cell = glm::clamp((xz - origin) / spacing, glm::vec2(0.0f), last);
   const glm::vec2 low = glm::min(glm::floor(cell), glm::max(last - 1.0f, glm::vec2(0.0f))), f = cell - low;
   const auto at = [&](float x, float z) {

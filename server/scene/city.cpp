@@ -37,6 +37,7 @@ void sortByHitbox(std::vector<Placement>& placements, const Site& site) {
     return mortonCode(cell(position.x), cell(position.z));
   };
   std::vector<std::pair<uint64_t, Placement>> keyed;
+  keyed.reserve(placements.size());
   for (const Placement& p : placements) keyed.push_back({code(p), p});
   std::stable_sort(keyed.begin(), keyed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (size_t i = 0; i < placements.size(); ++i) placements[i] = keyed[i].second;

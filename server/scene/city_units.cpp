@@ -96,7 +96,7 @@ Units placeUnits(const CityPlan& plan, const Catalogue& catalogue, size_t count)
   for (size_t i = 0, placed = 0; i < ways.size(); ++i) {
     if (ways[i].street) continue;
     wished += ways[i].wish;
-    const auto until = static_cast<size_t>(static_cast<double>(walkers) * (wished / walking) + 0.5);
+    const auto until = static_cast<size_t>(std::llround(static_cast<double>(walkers) * (wished / walking)));
     numbers[i] = until - placed;
     placed = until;
   }

@@ -197,7 +197,7 @@ class DocumentChecker : GltfChecker {
       const json& attributes = member(primitive, "attributes");
       if (!attributes.is_object()) return fail(here + ".attributes", attributes, "it must be an object");
       for (const auto& [name, accessor] : attributes.items())
-        index(accessor, here + ".attributes." + name, "accessors");
+        index(accessor, fmt::format("{}.attributes.{}", here, name), "accessors");
       listOfObjects(primitive, here, "targets");
       const json& targets = member(primitive, "targets");
       for (size_t t = 0; t < targets.size() && !error(); ++t) {

@@ -71,7 +71,7 @@ Result<std::vector<glm::dmat4>> instancesOf(const GltfImport& import, const tiny
     const Result<AccessorView> view = viewAccessor(import.model, attributes.Get(name).GetNumberAsInt());
     if (!view) return view.error();
     if (!views.empty() && view->count != views.front().count) {
-      const std::string field = at + "." + name;
+      const std::string field = fmt::format("{}.{}", at, name);
       return invalid(field, fmt::format("{}", view->count),
                      fmt::format("{} has {} elements, {} has {}: every instance needs one of each", field, view->count,
                                  views.front().name, views.front().count));

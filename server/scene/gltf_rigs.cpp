@@ -41,6 +41,7 @@ std::vector<size_t> RigImporter::chainOf(const std::vector<size_t>& ends) const 
       if (!depth_of.emplace(static_cast<size_t>(node), depth--).second) break;
   }
   std::vector<size_t> nodes;
+  nodes.reserve(depth_of.size());
   for (const auto& [node, depth] : depth_of) nodes.push_back(node);
   std::stable_sort(nodes.begin(), nodes.end(), [&](size_t a, size_t b) { return depth_of[a] < depth_of[b]; });
   return nodes;

@@ -239,6 +239,7 @@ void MeshBuilder::prism(uint32_t material, vec3 base, float bottom_radius, float
 
 void MeshBuilder::blobs(uint32_t material, const std::vector<Blob>& blobs) {
   std::vector<LumpyBall> balls;
+  balls.reserve(blobs.size());
   for (const Blob& blob : blobs) balls.push_back(makeBall(blob));
   const vec2 metres = palette_.metres[material];
   for (const LumpyBall& ball : balls) {

@@ -47,7 +47,8 @@ struct Sampling {
   bool nearest = false;  ///< seen closely, texels have edges
   Wrap u = Wrap::repeat;
   Wrap v = Wrap::repeat;
-  friend auto operator<=>(const Sampling&, const Sampling&) = default;
+  // The linter takes what the compiler makes of this for a null pointer.
+  friend auto operator<=>(const Sampling&, const Sampling&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// 8-bit RGBA, rows top-down. `srgb`: RGB is sRGB-encoded (base colour, emissive); false: linear (normal, roughness).
