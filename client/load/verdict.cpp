@@ -63,11 +63,11 @@ std::vector<Judged> judge(const Scenario& scenario, const std::vector<RunResult>
 
 Result<std::vector<Change>> compare(const Json& baseline, const Json& report) {
   const auto wrong = [](const std::string& message) { return invalid("baseline", "", "--baseline: " + message); };
-  if (!baseline.is_object() || baseline.value("schema", "") != report.at("schema"))
+  if (!baseline.is_object() || baseline.value("schema", "") != report.at("schema").get<std::string>())
     return wrong("the file is no JSON report of helio-load");
-  if (baseline.value("scenario", "") != report.at("scenario"))
-    return wrong("the file is of scenario \"" + baseline.value("scenario", "") + "\", this is \"" +
-                 report.at("scenario").get<std::string>() + "\"");
+  const std::string scenario = report.at("scenario").get<std::string>();
+  if (baseline.value("scenario", "") != scenario)
+    return wrong("the file is of scenario \"" + baseline.value("scenario", "") + "\", this is \"" + scenario + "\"");
   std::vector<Change> out;
   try {
     const auto& before = baseline.at("runs").at(0).at("groups");
