@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <functional>
+#include <numeric>
 
 namespace helio::bench {
 namespace {
@@ -15,6 +17,17 @@ constexpr double kEpsilon = 0.01;  // of relative errors: what is darker than 0.
 double relativeSquare(float a, float b) {
   const double value = static_cast<double>(b), difference = static_cast<double>(a) - value;
   return difference * difference / (value * value + kEpsilon);
+}
+
+/// Of each pixel, the mean of its channels.
+std::vector<double> relativeSquares(const Image& a, const Image& b) {
+  std::vector<double> pixels;
+  for (size_t i = 0; i + 2 < a.rgb.size(); i += 3) {
+    double sum = 0.0;
+    for (size_t c = i; c < i + 3; ++c) sum += relativeSquare(a.rgb[c], b.rgb[c]);
+    pixels.push_back(sum / 3.0);
+  }
+  return pixels;
 }
 
 }  // namespace
@@ -56,15 +69,17 @@ double relativeMse(const Image& a, const Image& b) {
 }
 
 double medianRelativeSquare(const Image& a, const Image& b) {
-  std::vector<double> pixels;
-  for (size_t i = 0; i + 2 < a.rgb.size(); i += 3) {
-    double sum = 0.0;
-    for (size_t c = i; c < i + 3; ++c) sum += relativeSquare(a.rgb[c], b.rgb[c]);
-    pixels.push_back(sum / 3.0);
-  }
+  std::vector<double> pixels = relativeSquares(a, b);
   const auto middle = pixels.begin() + static_cast<std::ptrdiff_t>(pixels.size() / 2);
   std::nth_element(pixels.begin(), middle, pixels.end());
   return *middle;
+}
+
+double shareOfWorst(const Image& a, const Image& b, double fraction) {
+  std::vector<double> pixels = relativeSquares(a, b);
+  std::sort(pixels.begin(), pixels.end(), std::greater<>());
+  const auto worst = pixels.begin() + std::lround(fraction * static_cast<double>(pixels.size()));
+  return std::accumulate(pixels.begin(), worst, 0.0) / std::accumulate(pixels.begin(), pixels.end(), 0.0);
 }
 
 namespace {

@@ -26,6 +26,9 @@ double relativeMse(const Image& a, const Image& b);
 /// The median over pixels of the same, each the mean of its channels: blind to a few bright outliers.
 double medianRelativeSquare(const Image& a, const Image& b);
 
+/// Share, 0 to 1, of relativeMse's sum that the worst `fraction` of the pixels hold.
+double shareOfWorst(const Image& a, const Image& b, double fraction);
+
 /// Structural similarity of the tonemapped luminances, 1 for equal pictures [Wang et al. 2004]: Gaussian windows of 11
 /// pixels, sigma 1.5. Both are scaled so that the mean luminance of `b` is middle grey, compressed by x / (1 + x), and
 /// encoded with a gamma of 2.2.

@@ -24,13 +24,14 @@ constexpr const char* kNotes =
     R"(Renders a scene in reference mode with either sampler and prints the relative mean square error at 1, 2, 4, ... samples
 a pixel. The truth is the mean of all samples of both runs beyond the first 1024, which no measured picture contains.
 The slope is that of log error against log samples: -1 for independent samples, steeper where the sampler helps.
-The mean is over all pixels, so a few rare bright paths, which no sampler can place, may make most of it; beside it stands
-the ratio of the median pixels' errors.
+The mean is over all pixels, so a few rare bright paths, which no sampler can place, may make most of it; beside it stand
+the ratio of the median pixels' errors and the share of the low-discrepancy sampler's error in the worst 0.1 % of pixels.
 
 Examples:
   helio-bench sampler --spec cornell.json
   helio-bench sampler --camera tilted_city --instances 1000 --size 160x90 --truth 4096)";
 
+constexpr double kWorst = 0.001;   // of the pixels
 constexpr uint32_t kBlock = 1024;  // samples of the low-discrepancy sequence that belong together
 
 struct SamplerOptions {
@@ -120,22 +121,24 @@ Result<void> measure(const SamplerOptions& options, const std::string& command_l
   append(document, origin);
   document["scene"] = subject->name;
   document["samples"] = Json::array();
-  Table table({"samples", "low discrepancy", "independent", "ratio", "of medians"});
+  Table table({"samples", "low discrepancy", "independent", "ratio", "of medians", "in the worst 0.1 %"});
   for (uint32_t samples = 1; samples <= options.most; samples *= 2) {
     for (size_t i = 0; i < 2; ++i) errors[i][samples] = relativeMse(runs[i].pictures.at(samples), truth);
     const double ratio = errors[0][samples] / errors[1][samples];
     const double medians = medianRelativeSquare(runs[0].pictures.at(samples), truth) /
                            medianRelativeSquare(runs[1].pictures.at(samples), truth);
+    const double worst = shareOfWorst(runs[0].pictures.at(samples), truth, kWorst);
     document["samples"].push_back({{"samples", samples},
                                    {"low_discrepancy", errors[0][samples]},
                                    {"independent", errors[1][samples]},
                                    {"ratio", ratio},
-                                   {"ratio_of_medians", medians}});
+                                   {"ratio_of_medians", medians},
+                                   {"share_of_worst", worst}});
     table.add({grouped(samples), fixed(errors[0][samples], 6), fixed(errors[1][samples], 6), fixed(ratio, 3),
-               fixed(medians, 3)});
+               fixed(medians, 3), fixed(100.0 * worst, 1) + " %"});
   }
   document["slope"] = {{"low_discrepancy", slope(errors[0])}, {"independent", slope(errors[1])}};
-  table.add({"slope", fixed(slope(errors[0]), 2), fixed(slope(errors[1]), 2), "", ""});
+  table.add({"slope", fixed(slope(errors[0]), 2), fixed(slope(errors[1]), 2), "", "", ""});
   std::cout << (options.json ? document.dump(2) + "\n"
                              : markdown(origin) + "- scene: " + subject->name + "\n\n" + table.markdown())
             << std::flush;

@@ -125,6 +125,28 @@ TEST(Numerics, AThroughputIsCountedToo) {
   EXPECT_EQ(frame->stats.nonfinite, uint64_t{kSize} * kSize);
 }
 
+// No triangle is known that a device shows and that yet has no normal: what a primary hit's report says is read from
+// counters made by hand.
+TEST(Numerics, APrimaryHitIsThePrimaryPasss) {
+  shared::Faults faults{};
+  const uint32_t kind = shared::kFaultPrimary * shared::kFaultCauses + shared::kFaultInfinite;
+  faults.counts[kind] = 3;
+  faults.first_sample = ~11u;
+  faults.seed = 7;
+  faults.places[kind] = ~((5 * kSize + 9) << shared::kFaultVertexBits);
+  render::FrameStats stats;
+  render::reportFaults(faults, kSize, stats);
+  ASSERT_EQ(stats.dropped.size(), 1u);
+  EXPECT_EQ(stats.dropped[0].pass, "primary");
+  EXPECT_EQ(stats.dropped[0].cause, "infinite");
+  EXPECT_EQ(stats.dropped[0].samples, 3u);
+  ASSERT_TRUE(stats.first_fault);
+  EXPECT_EQ(stats.first_fault->x, 9u);
+  EXPECT_EQ(stats.first_fault->y, 5u);
+  EXPECT_EQ(stats.first_fault->vertex, 0u);
+  EXPECT_EQ(stats.first_fault->sample, 11u);
+}
+
 // When what was broken is gone, so is all trace of it.
 TEST(Numerics, NothingStays) {
   SceneBuilder b;

@@ -126,5 +126,35 @@ TEST(PathSamples, APixelsBlockIsANet) {
     }
 }
 
+// A path's decisions are padded pairs of one sequence, each with a shuffle and scrambles of its own: the point of one
+// must say nothing about the point of another. Every pair of the decisions that a path takes first, every pair of
+// coordinates.
+TEST(PathSamples, DecisionsAreIndependent) {
+  // Position in the pixel; then, of four vertices, the points of sun and lamp, the direction, and the lobe.
+  std::vector<uint32_t> decisions{0};
+  for (uint32_t vertex = 1; vertex <= 4; ++vertex)
+    for (const uint32_t decision : {0u, 4u, 6u, 7u}) decisions.push_back(vertex * 16 + decision);
+  // One sample a pixel: those of a pixel share the shuffle's coarse steps, and a chi-square test takes no such
+  // clusters.
+  constexpr uint32_t kSide = 448;
+  for (const uint32_t seed : {0u, 5u}) {
+    std::vector<std::vector<float>> coordinates;
+    for (const uint32_t decision : decisions) {
+      std::vector<RandomQuestion> questions;
+      for (uint32_t y = 0; y < kSide; ++y)
+        for (uint32_t x = 0; x < kSide; ++x) questions.push_back({x, y, (11 * x + 29 * y) % 64, decision});
+      const std::vector<glm::vec4> points = pathSamplesAt(questions, seed, 6);
+      coordinates.push_back(component(points, 0));
+      coordinates.push_back(component(points, 1));
+    }
+    const size_t tests = 2 * coordinates.size() * (coordinates.size() - 1) / 2;
+    for (size_t a = 0; a < coordinates.size(); ++a)
+      for (size_t b = a + 2 - a % 2; b < coordinates.size(); ++b)
+        EXPECT_GE(evenly(coordinates[a], coordinates[b]), sidak(0.01, tests))
+            << "seed " << seed << ", decision " << decisions[a / 2] << " coordinate " << a % 2 << " and decision "
+            << decisions[b / 2] << " coordinate " << b % 2;
+  }
+}
+
 }  // namespace
 }  // namespace helio::test
