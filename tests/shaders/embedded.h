@@ -11,7 +11,4 @@ namespace helio::test::shaders {
 // program. Empty when there is no such shader.
 std::span<const std::uint32_t> find(std::string_view name);
 
-// The names that find() knows, in ascending order.
-std::span<const std::string_view> names();
-
 }  // namespace helio::test::shaders
