@@ -44,6 +44,11 @@ Result<void> check(const ViewSettings& settings) {
   if (auto r = inRange("settings.height", settings.height, 16u, 8192u); !r) return r;
   if (auto r = inRange("settings.bounces", settings.bounces, 0u, 32u); !r) return r;
   if (auto r = inRange("settings.samples", settings.samples, 1u, 64u); !r) return r;
+  if (auto r = inRange("settings.lamp_samples", settings.lamp_samples, 0u, 64u); !r) return r;
+  if (settings.measure_bare_trace && settings.lamp_samples != 1)
+    return invalid("settings.lamp_samples", std::to_string(settings.lamp_samples),
+                   "settings.lamp_samples is " + std::to_string(settings.lamp_samples) +
+                       ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
   return inRange("settings.exposure_ev", settings.exposure_ev, -16.0f, 16.0f);
 }

@@ -39,6 +39,9 @@ struct ViewSettings {
   bool light_sampling = true;  ///< next event estimation (unbiased); punctual lights are sampled without it too
   bool mis = true;             ///< multiple importance sampling of lights and BSDF (unbiased); off: lights alone
   bool sky_sampling = false;   ///< light sampling looks for the sky too (unbiased)
+  uint32_t lamp_samples = 1;   ///< of a path's first vertex, [0, 64] (unbiased); 0: each lamp once, if there are at
+                               ///< most 1,024, else 64
+  bool light_lists = true;     ///< lamps are chosen from their cell's list (unbiased); off: among all by power
   bool round_surfaces = true;  ///< rays leave from the surface that vertex normals tell of, against faceted shadows
   bool multiple_scattering = false;  ///< GGX lobes keep the light that they scatter more than once
   float regularisation = 0.0f;       ///< least perceptual roughness after a rough scattering, [0, 1]; biased, so not

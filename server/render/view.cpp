@@ -13,9 +13,9 @@ bool same(const scene::Camera& a, const scene::Camera& b) {
 bool continues(const ViewSettings& a, const ViewSettings& b) {
   return a.mode == b.mode && a.primary == b.primary && a.bounces == b.bounces && a.roulette == b.roulette &&
          a.sampler == b.sampler && a.light_sampling == b.light_sampling && a.mis == b.mis &&
-         a.sky_sampling == b.sky_sampling && a.round_surfaces == b.round_surfaces &&
-         a.multiple_scattering == b.multiple_scattering && a.regularisation == b.regularisation &&
-         a.materials == b.materials && a.accumulate == b.accumulate;
+         a.sky_sampling == b.sky_sampling && a.lamp_samples == b.lamp_samples && a.light_lists == b.light_lists &&
+         a.round_surfaces == b.round_surfaces && a.multiple_scattering == b.multiple_scattering &&
+         a.regularisation == b.regularisation && a.materials == b.materials && a.accumulate == b.accumulate;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.

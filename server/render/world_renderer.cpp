@@ -12,7 +12,8 @@
 namespace helio::render {
 namespace {
 
-constexpr float kNearPlane = 1e-4f;  // metres; reversed float depth loses nothing by it
+constexpr float kNearPlane = 1e-4f;        // metres; reversed float depth loses nothing by it
+constexpr uint32_t kMostLampsOnce = 1024;  // that a vertex looks at one by one
 
 /// Passes that measure rather than make the picture.
 bool isMeasurement(const std::string& pass) { return pass == "log_rays" || pass == "bare_trace"; }
@@ -333,6 +334,8 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.light_sampling = settings.light_sampling;
   c.mis = settings.mis;
   c.sky_sampling = settings.light_sampling && settings.sky_sampling && shines(environment_.sky);
+  c.lamp_samples = settings.lamp_samples > 0 || c.emitter_instance_count <= kMostLampsOnce ? settings.lamp_samples : 64;
+  if (!settings.light_lists) c.light_grid_size = {};
   c.round_surfaces = settings.round_surfaces;
   if (settings.mode == Mode::hybrid) c.least_alpha = settings.regularisation * settings.regularisation;
   if (settings.multiple_scattering) c.ggx_albedo = ggxAlbedo(commands);

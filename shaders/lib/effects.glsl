@@ -24,5 +24,6 @@ layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;
 // What only some views ask for.
 layout(constant_id = 41) const bool kSkySampling = true;
 layout(constant_id = 42) const bool kMultipleScattering = true;
+layout(constant_id = 45) const bool kManyLamps = false;
 
 #endif

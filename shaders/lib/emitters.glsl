@@ -13,7 +13,7 @@ struct EmitterSample {
   vec3 normal;      // unit; both faces shine
   float reach;      // as Surface.reach
   vec3 emission;
-  float pdf_area;   // per square metre; 0: no sample
+  float pdf_area;   // samples per square metre; 0: no sample
 };
 
 // Of the instance that was selected as seen from `p`; `u` in [0, 1)^2 chooses the triangle and the point.
@@ -45,7 +45,7 @@ EmitterSample sampleEmitter(uint slot, vec3 p, vec2 u) {
   const float double_area = length(n);
   if (!(double_area > 0.0)) return s;
   s.normal = n / double_area;
-  s.pdf_area = emitterProbability(p, slot, instance.emitter_weight) * triangle.pmf / (0.5 * double_area);
+  s.pdf_area = lampRate(p, slot, instance.emitter_weight) * triangle.pmf / (0.5 * double_area);
 
   const MaterialRecord material = MaterialTable(frame.materials).items[t.geometry.material];
   s.emission = material.emission;
@@ -62,7 +62,7 @@ struct PunctualSample {
   vec3 direction;     // unit, towards the light
   float distance;
   vec3 irradiance;    // of what faces it
-  float probability;  // with which it was chosen
+  float rate;         // how often the vertex draws it, on average
 };
 
 // The punctual light that was selected as seen from `p`. Its light falls with the squared distance, faded out towards its
@@ -70,7 +70,7 @@ struct PunctualSample {
 PunctualSample samplePunctual(uint slot, vec3 p) {
   const PunctualRecord light = PunctualTable(frame.punctual_lights).items[slot & ~kPunctualLight];
   PunctualSample s;
-  s.probability = emitterProbability(p, slot, light.weight);
+  s.rate = lampRate(p, slot, light.weight);
   if (light.type == kLightDirectional) {
     s.direction = light.position;
     s.distance = kFar;

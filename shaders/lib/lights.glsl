@@ -3,6 +3,7 @@
 // come from.
 #ifndef HELIO_LIGHTS_GLSL
 #define HELIO_LIGHTS_GLSL
+#include "lib/effects.glsl"
 #include "lib/tables.glsl"
 
 const float kGlobalShare = 0.25;
@@ -35,6 +36,16 @@ float emitterProbability(vec3 p, uint slot, float weight) {
     below = cdf;
   }
   return mix(local, global, kGlobalShare);
+}
+
+// How many lamps the vertex at hand draws; 0: each lamp once.
+uint lamp_draws_ = 1u;
+
+// How often the vertex at `p` draws lamp `slot`, on average: what a sample of it is divided by, and its density is times.
+float lampRate(vec3 p, uint slot, float weight) {
+  if (kManyLamps && lamp_draws_ == 0u) return 1.0;
+  const float probability = emitterProbability(p, slot, weight);
+  return kManyLamps ? float(lamp_draws_) * probability : probability;
 }
 
 // Chooses a lamp: the slot of an instance, or kPunctualLight and an index; u in [0, 1)^3.

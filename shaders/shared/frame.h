@@ -52,6 +52,7 @@ struct FrameConstants {
   uint light_sampling;       // 0: lights are only met by scattered rays (punctual lights are sampled all the same)
   uint mis;                  // 0: light that both could find counts for light sampling alone
   uint sky_sampling;         // 1: light sampling looks for the sky too
+  uint lamp_samples;         // of a path's first vertex, with kManyLamps; 0: each lamp once
   uint round_surfaces;       // 1: rays leave from the surface that the vertex normals tell of [Hanika 2021]
   float least_alpha;         // of GGX lobes once a path has scattered roughly
   uint64_t ggx_albedo;       // GgxAlbedo, with kMultipleScattering

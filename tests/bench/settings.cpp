@@ -21,6 +21,8 @@ const std::map<std::string, Setter>& setters() {
                                                    {"light_sampling", into(&S::light_sampling)},
                                                    {"mis", into(&S::mis)},
                                                    {"sky_sampling", into(&S::sky_sampling)},
+                                                   {"lamp_samples", into(&S::lamp_samples)},
+                                                   {"light_lists", into(&S::light_lists)},
                                                    {"round_surfaces", into(&S::round_surfaces)},
                                                    {"multiple_scattering", into(&S::multiple_scattering)},
                                                    {"regularisation", into(&S::regularisation)},

@@ -70,6 +70,18 @@ TEST(Switches, LookingForTheSkyAloneFindsTheSameLight) {
   });
 }
 
+TEST(Switches, SeveralLampsFindTheSameLight) {
+  expectUnbiased(places()[0], [](auto& s) { s.lamp_samples = 4; });
+}
+
+TEST(Switches, EachLampOnceFindsTheSameLight) {
+  expectUnbiased(places()[0], [](auto& s) { s.lamp_samples = 0; });
+}
+
+TEST(Switches, LampsOfTheWholeWorldFindTheSameLight) {
+  expectUnbiased(places()[0], [](auto& s) { s.light_lists = false; });
+}
+
 // Regularisation is biased, and so is left out of reference pictures, bit for bit; in live ones it must do something.
 TEST(Switches, RegularisationStaysOutOfTheReference) {
   const Place place = places()[1];

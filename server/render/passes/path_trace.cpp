@@ -8,7 +8,7 @@ namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
-                 kMultipleScatteringConstant = 42, kConstants = 43;
+                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kConstants = 46;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -52,6 +52,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kMaterialsConstant] = static_cast<uint32_t>(settings.materials);
   constants[kSkySamplingConstant] = settings.sky_sampling;
   constants[kMultipleScatteringConstant] = settings.multiple_scattering;
+  constants[kManyLampsConstant] = settings.lamp_samples != 1;
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
