@@ -12,7 +12,7 @@ namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
-                 kMultipleScatteringConstant = 42, kSunShadowConstant = 43, kManyLampsConstant = 45, kConstants = 46;
+                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kSunShadowConstant = 46, kConstants = 47;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
