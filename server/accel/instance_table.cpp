@@ -65,6 +65,7 @@ void InstanceTable::apply(const world::ChangeSet& changes, const std::function<v
     dirty_slots_.push_back(slot);
     emitters_dirty_ |= record.emitter_weight > 0.0f;
     record.deform = 0;
+    record.level = 0;
     travels_[slot] = false;
     if (prefab == scene::kNone) {
       placed = {};
@@ -98,6 +99,12 @@ void InstanceTable::place(uint32_t slot, const glm::mat4x3& transform, VkDeviceA
   // Scaled to nothing for the moment: neither rays nor the rasteriser meet a point.
   setTransform(slot, invertible(transform) ? transform : glm::mat4x3(0.0f));
   records_[slot].deform = deform;
+}
+
+void InstanceTable::setLevel(uint32_t slot, uint32_t level) {
+  if (records_[slot].level == level) return;
+  records_[slot].level = level;
+  switched_slots_.push_back(slot);
 }
 
 void InstanceTable::sortTravellers() {
@@ -147,6 +154,8 @@ void InstanceTable::rebuildOrder(const world::ChangeSet& changes) {
 void InstanceTable::forget() { upload_all_ = emitters_dirty_ = true; }
 
 void InstanceTable::upload(gpu::Commands& commands) {
+  const bool edited = dirty();
+  dirty_slots_.insert(dirty_slots_.end(), switched_slots_.begin(), switched_slots_.end());
   std::sort(dirty_slots_.begin(), dirty_slots_.end());
   const uint64_t record_bytes = capacityFor(records_.size()) * sizeof(shared::InstanceRecord);
   if (record_buffer_.size() < record_bytes) upload_all_ = true;
@@ -172,9 +181,10 @@ void InstanceTable::upload(gpu::Commands& commands) {
     upload_all_ = true;
   }
   // Where nothing but what travels moved, the rest of the order is there already.
-  const size_t first = dirty() ? 0 : standing_;
+  const size_t first = edited || upload_all_ ? 0 : standing_;
   commands.upload<uint32_t>(order_buffer_, first, std::span<const uint32_t>(order_).subspan(first));
   dirty_slots_.clear();
+  switched_slots_.clear();
   emitters_dirty_ = upload_all_ = travellers_dirty_ = false;
 }
 

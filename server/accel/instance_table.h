@@ -44,12 +44,14 @@ class InstanceTable {
   /// What users changed since the last upload().
   bool dirty() const { return upload_all_ || !dirty_slots_.empty(); }
   /// The order changed since the last upload(), by what users did or because something moved.
-  bool orderDirty() const { return dirty() || travellers_dirty_; }
+  bool orderDirty() const { return dirty() || travellers_dirty_ || !switched_slots_.empty(); }
 
   /// Whether the slot's instance has a place of its own in every tick: those stand behind all others in the order.
   bool travels(uint32_t slot) const { return travels_[slot]; }
   /// Where an instance is in this tick. The record is not marked for upload(): Units brings it to the GPU.
   void place(uint32_t slot, const glm::mat4x3& transform, VkDeviceAddress deform);
+  /// Which level of detail of the instance's mesh rays meet.
+  void setLevel(uint32_t slot, uint32_t level);
   /// Orders what travels anew, after it was placed.
   void sortTravellers();
   /// After a tick that failed: the next upload() brings everything.
@@ -64,6 +66,11 @@ class InstanceTable {
   const std::vector<uint32_t>& order() const { return order_; }
   const std::vector<OrderBlock>& blocks() const { return blocks_; }
   uint64_t bytes() const { return record_buffer_.size() + order_buffer_.size(); }
+  uint64_t cpuBytes() const {
+    return placed_.capacity() * (sizeof(PlacedInstance) + sizeof(shared::InstanceRecord) + sizeof(uint64_t)) +
+           (order_.capacity() + dirty_slots_.capacity() + switched_slots_.capacity()) * sizeof(uint32_t) +
+           blocks_.capacity() * sizeof(OrderBlock) + travels_.capacity() / 8;
+  }
   const gpu::Buffer& recordBuffer() const { return record_buffer_; }
   const gpu::Buffer& orderBuffer() const { return order_buffer_; }
 
@@ -87,6 +94,7 @@ class InstanceTable {
   std::vector<OrderBlock> blocks_;
   bool travellers_dirty_ = false;
   std::vector<uint32_t> dirty_slots_;
+  std::vector<uint32_t> switched_slots_;  // their levels alone changed
   bool emitters_dirty_ = false;
   bool upload_all_ = false;
   gpu::Buffer record_buffer_;

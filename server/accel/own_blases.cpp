@@ -1,6 +1,7 @@
 #include "accel/own_blases.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace helio::accel {
 namespace {
@@ -33,7 +34,8 @@ void OwnBlases::forget() {
   for (Structure& structure : structures_) structure.built = false;
 }
 
-void OwnBlases::plan(std::span<const uint32_t> wanted, Units& units, uint64_t tick, bool moved) {
+void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceTable& table, uint64_t tick, bool moved,
+                     bool all) {
   if (structures_.size() < units.units().size()) structures_.resize(units.units().size());
   figures_ = {};
   jobs_.clear();
@@ -41,7 +43,7 @@ void OwnBlases::plan(std::span<const uint32_t> wanted, Units& units, uint64_t ti
   updates_.clear();
   scratch_sizes_.clear();
   most_vertices_ = 0;
-  for (const uint32_t unit : wanted) structures_[unit].wanted_at = tick;
+  for (const WantedUnit& want : wanted) structures_[want.unit].wanted_at = tick;
 
   std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
   // What nobody wants leaves the TLAS now, and memory later: cameras swing back.
@@ -50,56 +52,72 @@ void OwnBlases::plan(std::span<const uint32_t> wanted, Units& units, uint64_t ti
     Structure& structure = structures_[unit];
     if (structure.wanted_at == tick) continue;
     structure.in_tlas = false;
-    units.setBlas(unit, 0, 0);
+    units.setBlas(unit, 0, 0, 0);
     if (tick - structure.wanted_at > kAgeLimit) aged.push_back(unit);
   }
   for (const uint32_t unit : aged) release(unit);
   std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
 
   BuildBudget left = budget_;
-  for (const uint32_t unit : wanted) {
+  if (all) left = {std::numeric_limits<uint32_t>::max(), std::numeric_limits<uint64_t>::max()};
+  for (const auto& [unit, level] : wanted) {
     const DeformingMesh& mesh = units.meshOf(unit);
     Structure& structure = structures_[unit];
     const bool posed = units.units()[unit].posed;
     const bool in_turn = posed && moved && (unit + tick) % kRebuildEvery == 0;
+    const auto affordable = [&](uint32_t at) { return left.builds > 0 && left.triangles >= mesh.levels[at].triangles; };
     // It was out of the TLAS for a while, or never in it: its pose is old, and a build is due.
-    const bool stale = !structure.built || (posed && !structure.in_tlas);
-    if (stale) {
-      if (left.builds == 0 || left.triangles < mesh.triangles) {
-        ++figures_.waiting;
-        structure.in_tlas = false;
-        units.setBlas(unit, 0, 0);
-        continue;
-      }
+    bool build = !structure.built || (posed && !structure.in_tlas);
+    if (build && !affordable(level)) {
+      ++figures_.waiting;
+      structure.in_tlas = false;
+      units.setBlas(unit, 0, 0, 0);
+      continue;
+    }
+    if (structure.level != level && affordable(level)) {
+      const uint64_t wanted_at = structure.wanted_at;
+      release(unit);
+      structure.level = level;
+      structure.wanted_at = wanted_at;
+      build = true;
+    }
+    const DeformingLevel& shape = mesh.levels[structure.level];
+    if (build) {
       --left.builds;
-      left.triangles -= mesh.triangles;
-    } else if (!moved || !posed) {
-      structure.in_tlas = true;
-      units.setBlas(unit, structure.vertices.address, structure.blas.address());
+      left.triangles -= shape.triangles;
+    }
+    const auto enter = [&] {
+      structure.built = structure.in_tlas = true;
+      units.setBlas(unit, structure.vertices.address, shape.vertex_count, structure.blas.address());
+      table.setLevel(units.units()[unit].slot, structure.level);
       ++figures_.in_tlas;
+    };
+    if (!build && (!moved || !posed)) {
+      enter();
       continue;
     }
     if (!structure.storage) {
-      structure.vertices = vertices_pool_.allocate(uint64_t{mesh.vertex_count} * sizeof(glm::vec3), 16);
-      structure.storage = structures_pool_.allocate(mesh.sizes.structure, kStructureAlignment);
+      structure.vertices = vertices_pool_.allocate(uint64_t{shape.vertex_count} * sizeof(glm::vec3), 16);
+      structure.storage = structures_pool_.allocate(shape.sizes.structure, kStructureAlignment);
       structure.blas = gpu::AccelerationStructure(device_, "the BLAS of a unit",
                                                   VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, structure.storage);
       held_.push_back(unit);
     }
-    const bool refit = !stale && !in_turn;
+    const bool refit = !build && !in_turn;
     jobs_.push_back({unit, refit});
-    deform_jobs_.push_back({mesh.rest, structure.vertices.address, units.units()[unit].slot, mesh.vertex_count});
-    gpu::BlasUpdate update{structure.blas.handle(), mesh.geometries, refit};
+    deform_jobs_.push_back({mesh.rest, structure.vertices.address, units.units()[unit].slot, shape.vertex_count});
+    gpu::BlasUpdate update{structure.blas.handle(), shape.geometries, refit};
     for (gpu::BlasGeometry& geometry : update.geometries) geometry.positions = structure.vertices.address;
     updates_.push_back(std::move(update));
-    scratch_sizes_.push_back(refit ? mesh.sizes.refit_scratch : mesh.sizes.build_scratch);
-    most_vertices_ = std::max(most_vertices_, mesh.vertex_count);
-    structure.built = structure.in_tlas = true;
-    units.setBlas(unit, structure.vertices.address, structure.blas.address());
-    ++figures_.in_tlas;
+    scratch_sizes_.push_back(refit ? shape.sizes.refit_scratch : shape.sizes.build_scratch);
+    most_vertices_ = std::max(most_vertices_, shape.vertex_count);
+    enter();
     ++(refit ? figures_.refitted : figures_.built);
-    figures_.triangles += mesh.triangles;
+    figures_.triangles += shape.triangles;
   }
+  // A unit that gave its BLAS back and got another one stands there twice.
+  std::sort(held_.begin(), held_.end());
+  held_.erase(std::unique(held_.begin(), held_.end()), held_.end());
 }
 
 void OwnBlases::upload(gpu::Commands& commands) {

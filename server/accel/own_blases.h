@@ -11,10 +11,17 @@
 
 namespace helio::accel {
 
-/// What one tick may build anew; refits have no budget. Counts, not times: the same world gives the same ticks.
+/// What one tick may build anew, for a unit that has none yet or to switch its level of detail; refits have no budget.
+/// Counts, not times: the same world gives the same ticks.
 struct BuildBudget {
   uint32_t builds = 1024;
   uint64_t triangles = 1'000'000;
+};
+
+/// A unit that rays should meet, and at which level of detail of its mesh.
+struct WantedUnit {
+  uint32_t unit;
+  uint32_t level;
 };
 
 struct OwnBlasFigures {
@@ -33,8 +40,12 @@ class OwnBlases {
   explicit OwnBlases(gpu::Device& device);
 
   /// Decides what this tick builds and refits: `wanted` are units that deform, the most important first. `moved`: poses
-  /// changed since the last tick. A unit whose BLAS does not have this tick's pose is left out of the TLAS.
-  void plan(std::span<const uint32_t> wanted, Units& units, uint64_t tick, bool moved);
+  /// changed since the last tick. `all`: no budget, nothing waits. A unit whose BLAS does not have this tick's pose is
+  /// left out of the TLAS; one that the budget keeps from switching its level stays at the one that it has.
+  void plan(std::span<const WantedUnit> wanted, Units& units, InstanceTable& table, uint64_t tick, bool moved,
+            bool all);
+  /// The level of detail that a unit's BLAS has; 0 where there is none.
+  uint32_t level(uint32_t unit) const { return unit < structures_.size() ? structures_[unit].level : 0; }
   /// The unit is no more. Not while submitted work uses its BLAS.
   void release(uint32_t unit);
   /// After a tick that failed: nothing counts as built.
@@ -55,6 +66,11 @@ class OwnBlases {
   bool inTlas(uint32_t unit) const { return unit < structures_.size() && structures_[unit].in_tlas; }
   uint64_t structureBytes() const { return structures_pool_.bytesHeld(); }
   uint64_t vertexBytes() const { return vertices_pool_.bytesHeld(); }
+  uint64_t cpuBytes() const {
+    return structures_.capacity() * sizeof(Structure) + held_.capacity() * sizeof(uint32_t) +
+           jobs_.capacity() * sizeof(Job) + deform_jobs_.capacity() * sizeof(shared::DeformJob) +
+           updates_.capacity() * sizeof(gpu::BlasUpdate) + scratch_sizes_.capacity() * sizeof(uint64_t);
+  }
   uint64_t scratchBytes() const { return scratch_ ? scratch_.size() : 0; }
 
  private:
@@ -63,6 +79,7 @@ class OwnBlases {
     gpu::AccelerationStructure blas;
     bool built = false;
     bool in_tlas = false;
+    uint32_t level = 0;
     uint64_t wanted_at = 0;  // tick
   };
   struct Job {

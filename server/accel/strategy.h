@@ -16,6 +16,7 @@ namespace helio::accel {
 struct Viewpoint {
   shared::CullVolume volume;
   bool everything = false;  ///< a reference view: no approximation
+  float tolerance = 0.0f;   ///< metres that a level of detail may be off, a metre away; 0: the finest alone
 };
 
 /// The volume that a camera sees: four inward planes through its position; the far plane is at infinity. The axes are

@@ -133,7 +133,6 @@ void Units::addPose(const Unit& unit, double clip_time) {
 
 bool Units::pose(double time, InstanceTable& table) {
   moved_slots_.clear();
-  moved_records_.clear();
   poses_.clear();
   if (units_.empty()) return false;
   growTable();
@@ -149,7 +148,6 @@ bool Units::pose(double time, InstanceTable& table) {
           meshes_[unit.mesh].deform == 0 ? 0 : deform_buffer_.address() + index * sizeof(shared::DeformRecord);
       table.place(unit.slot, transform, deform);
       moved_slots_.push_back(unit.slot);
-      moved_records_.push_back(table.records()[unit.slot]);
     }
     if (unit.posed) addPose(unit, clip_time);
   };
@@ -173,15 +171,18 @@ void Units::forget() {
   time_ = std::numeric_limits<double>::quiet_NaN();
 }
 
-void Units::setBlas(uint32_t unit, VkDeviceAddress positions, VkDeviceAddress blas) {
+void Units::setBlas(uint32_t unit, VkDeviceAddress positions, uint32_t vertex_count, VkDeviceAddress blas) {
   shared::DeformRecord& record = deforms_[unit];
-  if (record.positions == positions && record.blas == blas) return;
+  if (record.positions == positions && record.vertex_count == vertex_count && record.blas == blas) return;
   record.positions = positions;
+  record.vertex_count = vertex_count;
   record.blas = blas;
   deforms_dirty_ = true;
 }
 
-void Units::upload(gpu::Commands& commands) {
+void Units::upload(gpu::Commands& commands, const InstanceTable& table) {
+  moved_records_.clear();
+  for (const uint32_t slot : moved_slots_) moved_records_.push_back(table.records()[slot]);
   if (deforms_dirty_ && !deforms_.empty()) commands.upload<shared::DeformRecord>(deform_buffer_, 0, deforms_);
   deforms_dirty_ = false;
   records_at_ = gpu::alignUp(moved_slots_.size() * sizeof(uint32_t), size_t{16});

@@ -13,14 +13,19 @@
 
 namespace helio::accel {
 
+/// What a BLAS of an instance's own is made of, at one level of detail of its mesh.
+struct DeformingLevel {
+  uint32_t vertex_count = 0;                  ///< the mesh's first ones
+  std::vector<gpu::BlasGeometry> geometries;  ///< with the positions at rest
+  gpu::BlasSizes sizes;
+  uint64_t triangles = 0;
+};
+
 /// What deforming a mesh takes.
 struct DeformingMesh {
   VkDeviceAddress deform = 0;  ///< MeshDeform; 0: the mesh is rigid
   VkDeviceAddress rest = 0;    ///< positions at rest, 12 bytes apart
-  uint32_t vertex_count = 0;
-  std::vector<gpu::BlasGeometry> geometries;  ///< with the positions at rest
-  gpu::BlasSizes sizes;
-  uint64_t triangles = 0;
+  std::vector<DeformingLevel> levels;
 };
 
 /// An instance that moves or deforms. Its index stays the same for its life.
@@ -52,11 +57,11 @@ class Units {
   /// After a tick that failed: the next pose() and upload() bring everything.
   void forget();
 
-  /// Where a unit's deformed vertices and BLAS are in this tick; 0, 0: rays do not meet it.
-  void setBlas(uint32_t unit, VkDeviceAddress positions, VkDeviceAddress blas);
+  /// Where a unit's deformed vertices and BLAS are in this tick; 0, 0, 0: rays do not meet it.
+  void setBlas(uint32_t unit, VkDeviceAddress positions, uint32_t vertex_count, VkDeviceAddress blas);
 
-  /// Records the copies (transfer writes).
-  void upload(gpu::Commands& commands);
+  /// Records the copies (transfer writes). `table`: with this tick's places and levels of detail.
+  void upload(gpu::Commands& commands, const InstanceTable& table);
   /// Compute: moved instances into the instance table, joints and weights of what is posed. After upload().
   void record(gpu::Commands& commands, const InstanceTable& table) const;
 
@@ -66,6 +71,12 @@ class Units {
   const DeformingMesh& meshOf(uint32_t unit) const { return meshes_[units_[unit].mesh]; }
   bool deforms(uint32_t unit) const { return meshes_[units_[unit].mesh].deform != 0; }
   uint64_t count() const { return count_; }
+  uint64_t cpuBytes() const {
+    return units_.capacity() * (sizeof(Unit) + sizeof(shared::DeformRecord)) +
+           (free_.capacity() + unit_of_slot_.capacity() + fresh_.capacity() + moved_slots_.capacity()) *
+               sizeof(uint32_t) +
+           moved_records_.capacity() * sizeof(shared::InstanceRecord) + poses_.capacity() * sizeof(shared::PoseRecord);
+  }
   uint64_t bytes() const { return poses_pool_.bytesHeld() + deform_buffer_.size(); }
 
  private:

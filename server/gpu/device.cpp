@@ -332,6 +332,7 @@ void Device::createDevice() {
   VkPhysicalDeviceVulkan12Features vulkan12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
   vulkan12.pNext = &vulkan13;
   vulkan12.bufferDeviceAddress = VK_TRUE;
+  vulkan12.drawIndirectCount = VK_TRUE;
   vulkan12.timelineSemaphore = VK_TRUE;
   vulkan12.hostQueryReset = VK_TRUE;
   vulkan12.scalarBlockLayout = VK_TRUE;
@@ -348,6 +349,8 @@ void Device::createDevice() {
   VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
   features.pNext = &vulkan11;
   features.features.shaderInt64 = VK_TRUE;
+  features.features.multiDrawIndirect = VK_TRUE;
+  features.features.drawIndirectFirstInstance = VK_TRUE;
   features.features.geometryShader = VK_TRUE;  // gl_PrimitiveID in fragment shaders
   features.features.samplerAnisotropy = VK_TRUE;
   features.features.shaderStorageImageExtendedFormats = VK_TRUE;  // rg32ui

@@ -50,6 +50,7 @@ Result<void> check(const ViewSettings& settings) {
                    "settings.lamp_samples is " + std::to_string(settings.lamp_samples) +
                        ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
+  if (auto r = inRange("settings.shadow_map_size", settings.shadow_map_size, 256u, 4096u); !r) return r;
   return inRange("settings.exposure_ev", settings.exposure_ev, -16.0f, 16.0f);
 }
 

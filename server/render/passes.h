@@ -7,6 +7,7 @@
 #include "render/passes/path_trace.h"
 #include "render/passes/primary_raster.h"
 #include "render/passes/primary_traced.h"
+#include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
 #include "render/passes/tonemap.h"
 
@@ -14,7 +15,9 @@ namespace helio::render {
 
 struct Passes {
   explicit Passes(gpu::Device& device)
-      : primary_raster(device),
+      : culling(device),
+        primary_raster(device),
+        shadow_map(device),
         primary_traced(device),
         path_trace(device),
         accumulate(device),
@@ -22,7 +25,9 @@ struct Passes {
         exposure(device),
         tonemap(device),
         bare_trace(device) {}
+  CullPipelines culling;
   PrimaryRaster primary_raster;
+  ShadowMapPass shadow_map;
   PrimaryTraced primary_traced;
   PathTrace path_trace;
   Accumulate accumulate;

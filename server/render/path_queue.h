@@ -15,6 +15,7 @@ class PathQueue {
   /// Room for the paths of `pixels` pixels in up to `launches` launches. What it held is lost.
   void reserve(uint64_t pixels, uint32_t launches);
   void describe(shared::FrameConstants& constants) const;
+  uint64_t bytes() const { return states_.size() + pixels_.size() + launches_.size(); }
 
   /// Empties the queue, ahead of a sample.
   void clear(gpu::Commands& commands) const;

@@ -25,6 +25,12 @@ enum class Sampler {
   independent,      ///< hashes: the baseline
 };
 
+enum class SunShadow {
+  rays,          ///< soft, by rays
+  rays_and_map,  ///< as well as by a shadow map of what rays cannot meet (a hard shadow: biased)
+  map,           ///< by a shadow map of everything, without a ray (biased)
+};
+
 /// A viewer's settings. A change of size, mode, primary, bounces or materials restarts
 /// accumulation.
 struct ViewSettings {
@@ -46,6 +52,10 @@ struct ViewSettings {
   bool multiple_scattering = false;  ///< GGX lobes keep the light that they scatter more than once
   float regularisation = 0.0f;       ///< least perceptual roughness after a rough scattering, [0, 1]; biased, so not
                                      ///< in reference mode
+  SunShadow sun_shadow = SunShadow::rays;  ///< reference mode knows rays alone
+  uint32_t shadow_map_size = 2048;         ///< texels along a side of each of its cascades, [256, 4096]
+  bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
+                                 ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   bool accumulate = true;                               ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
@@ -76,11 +86,15 @@ struct Rays {
   uint64_t total() const { return primary + bounce + shadow + retrace; }
 };
 
-/// GPU memory by the thesis's categories (§4.3), bytes: of the whole device, all its worlds together.
+/// Memory by the thesis's categories (§4.3), bytes: the GPU's of the whole device, all its worlds together.
 struct MemoryUse {
   uint64_t raster = 0;        ///< needed by rasterisation too: meshes, textures, materials, common targets
   uint64_t ray_tracing = 0;   ///< inherent to ray tracing: acceleration structures, scratch, instance buffers
   uint64_t path_tracing = 0;  ///< path tracing only: accumulation, denoiser
+  uint64_t staging = 0;       ///< uploads and pictures on their way to the CPU; in no category of the thesis
+  // Of this world.
+  uint64_t working_set = 0;  ///< of the above, holds nothing from tick to tick: scratch, lists of paths and draws
+  uint64_t cpu = 0;          ///< tables of instances, units, levels of detail and BLASes on the CPU's side
 };
 
 /// Samples that were no light (not finite, or negative), by the pass that found them: "primary", "path_trace",
@@ -107,13 +121,15 @@ struct AccelerationUse {
   uint32_t own_blases_waiting = 0;  ///< wanted, and left to a later tick by the budget
   uint32_t blases_built = 0;
   uint32_t blases_refitted = 0;
-  uint64_t blas_triangles = 0;  ///< built or refitted in this tick
+  uint64_t blas_triangles = 0;   ///< built or refitted in this tick
+  uint32_t levels_switched = 0;  ///< instances without a BLAS of their own that changed their level of detail
   // Bytes of this world.
-  uint64_t shared_blas_bytes = 0;  ///< one a mesh
-  uint64_t own_blas_bytes = 0;     ///< allocated for BLASes of instances' own
-  uint64_t own_vertex_bytes = 0;   ///< allocated for their deformed vertices
-  uint64_t tlas_bytes = 0;         ///< with the instances that it is built from
-  uint64_t scratch_bytes = 0;      ///< working set of the builds
+  uint64_t shared_blas_bytes = 0;       ///< one a mesh and level of detail
+  uint64_t compaction_saved_bytes = 0;  ///< that they would need more, had they not been compacted
+  uint64_t own_blas_bytes = 0;          ///< allocated for BLASes of instances' own
+  uint64_t own_vertex_bytes = 0;        ///< allocated for their deformed vertices
+  uint64_t tlas_bytes = 0;              ///< with the instances that it is built from
+  uint64_t scratch_bytes = 0;           ///< working set of the builds
   uint64_t total() const { return shared_blas_bytes + own_blas_bytes + own_vertex_bytes + tlas_bytes + scratch_bytes; }
 };
 
@@ -197,6 +213,7 @@ struct RendererOptions {
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
   bool validation = false;         ///< Khronos validation layer: errors are logged and counted
   bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
+  bool one_call_a_blas = false;    ///< BLASes of instances' own are built one by one: to measure what the batch saves
   bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 

@@ -7,14 +7,18 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include "scene/levels_of_detail.h"
 #include "shared/animation.h"
+#include "shared/draw.h"
 #include "shared/scene.h"
 
 namespace helio::render {
 namespace {
 
 constexpr uint32_t kMaxSubmeshes = 256;  // a geometry index has 8 bits in the visibility image
+constexpr size_t kMaxTriangles = size_t{1} << shared::kVisibilityLevelShift;
 constexpr uint32_t kMaxInFlightBytes = 64u << 20;
+static_assert(shared::kMostLevels > scene::kMostCoarserLevels);
 
 /// Octahedral snorm16 pair [Cigolle et al. 2014].
 uint32_t octahedral(const glm::vec3& n) {
@@ -35,6 +39,13 @@ static_assert(shared::kSlotNormal == static_cast<uint32_t>(scene::TextureSlot::n
 static_assert(shared::kSlotMetallicRoughness == static_cast<uint32_t>(scene::TextureSlot::metallic_roughness));
 static_assert(shared::kSlotSpecular == static_cast<uint32_t>(scene::TextureSlot::specular));
 static_assert(shared::kSlotSpecularColor == static_cast<uint32_t>(scene::TextureSlot::specular_color));
+
+VertexOrder vertexOrder(const scene::Mesh& mesh) {
+  VertexOrder order{scene::coarsestFirst(mesh), {}};
+  order.places.resize(order.vertices.size());
+  for (uint32_t place = 0; place < order.vertices.size(); ++place) order.places[order.vertices[place]] = place;
+  return order;
+}
 
 /// Slots of the bindless set by index of the scene's textures.
 struct TextureSlots {
@@ -116,87 +127,157 @@ gpu::Buffer uploaded(gpu::Device& device, gpu::Commands& commands, const std::st
 
 }  // namespace
 
+/// What the constructor gathers, mesh by mesh.
+struct SceneResources::Tables {
+  std::vector<VertexOrder> orders;
+  std::vector<size_t> first_vertex, vertex_count;  // by mesh
+  std::vector<std::vector<size_t>> first_index;    // by mesh, by level
+  std::vector<VkDeviceAddress> extras, deforms;    // by mesh
+  effects::EmitterTriangles emitters;
+
+  std::vector<shared::GeometryRecord> geometries;
+  std::vector<shared::MeshRecord> meshes;  // by mesh; behind them the coarser levels
+  std::vector<shared::DrawRecord> solid, masked;
+  std::vector<gpu::BlasInput> blas_inputs;
+  std::vector<size_t> record_of_blas;  // in `meshes`, by input
+};
+
+void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, uint32_t m, uint32_t level,
+                              Tables& tables) {
+  const scene::Mesh& mesh = scene.meshes[m];
+  const std::vector<scene::Submesh>& submeshes = level == 0 ? mesh.submeshes : mesh.levels[level - 1].submeshes;
+  const std::vector<uint32_t>& indices = level == 0 ? mesh.indices : mesh.levels[level - 1].indices;
+  const effects::MeshEmitters& emitters = tables.emitters.meshes[m];
+  size_t record = m;
+  if (level > 0) {
+    record = tables.meshes.size();
+    tables.meshes.emplace_back();
+    if (level == 1) tables.meshes[m].coarser = static_cast<uint32_t>(record);
+  }
+  const uint32_t coarser = tables.meshes[record].coarser;
+  tables.meshes[record] = {0,
+                           static_cast<uint32_t>(tables.geometries.size()),
+                           static_cast<uint32_t>(submeshes.size()),
+                           emitters.first,
+                           emitters.count,
+                           coarser,
+                           level == 0 ? 0.0f : mesh.levels[level - 1].error};
+  // A level's vertices are the mesh's first ones.
+  auto vertex_count = static_cast<uint32_t>(mesh.positions.size());
+  if (level > 0) {
+    vertex_count = 0;
+    for (const uint32_t vertex : indices) vertex_count = std::max(vertex_count, tables.orders[m].place(vertex) + 1);
+  }
+  gpu::BlasInput blas{mesh.name, {}};
+  for (uint32_t g = 0; g < submeshes.size(); ++g) {
+    const scene::Submesh& submesh = submeshes[g];
+    shared::GeometryRecord geometry{};
+    geometry.positions = positions_.address() + tables.first_vertex[m] * sizeof(glm::vec3);
+    geometry.attributes = attributes_.address() + tables.first_vertex[m] * sizeof(shared::VertexAttributes);
+    geometry.indices = indices_.address() + (tables.first_index[m][level] + submesh.first_index) * sizeof(uint32_t);
+    geometry.extras = tables.extras[m];
+    geometry.material = submesh.material;
+    geometry.emitter_offset = emitters.count ? emitters.geometry_offset[g] : shared::kNoTexture;
+    tables.geometries.push_back(geometry);
+    const bool cut_out = scene.materials[submesh.material].masked() && !submesh.whole;
+    blas.geometries.push_back({geometry.positions, vertex_count, geometry.indices, submesh.index_count / 3, !cut_out});
+    if (submesh.index_count > 0)
+      (cut_out ? tables.masked : tables.solid)
+          .push_back({geometry.positions, geometry.indices, submesh.index_count, m, level, g});
+  }
+  if (mesh.deforms()) {  // every instance has a BLAS of its own
+    accel::DeformingMesh& deforming = deforming_[m];
+    if (level == 0)
+      deforming = {tables.deforms[m], positions_.address() + tables.first_vertex[m] * sizeof(glm::vec3), {}};
+    deforming.levels.push_back(
+        {vertex_count, blas.geometries, gpu::movingBlasSizes(device, blas.geometries), indices.size() / 3});
+  } else {
+    tables.record_of_blas.push_back(record);
+    tables.blas_inputs.push_back(std::move(blas));
+  }
+}
+
+void SceneResources::uploadDraws(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene,
+                                 Tables& tables) {
+  solid_draws_ = static_cast<uint32_t>(tables.solid.size());
+  std::vector<shared::DrawRecord>& draws = tables.solid;
+  draws.insert(draws.end(), tables.masked.begin(), tables.masked.end());
+  draw_count_ = static_cast<uint32_t>(draws.size());
+  draw_records_ = uploaded(device, commands, "the draw table", draws);
+  std::vector<shared::CullMesh> meshes;
+  for (const scene::Mesh& mesh : scene.meshes) {
+    shared::CullMesh& cull = meshes.emplace_back();
+    cull.centre = mesh.bounds.centre();
+    cull.radius = 0.5f * glm::length(mesh.bounds.extent());
+    cull.level_count = static_cast<uint32_t>(mesh.levels.size() + 1);
+    for (size_t l = 0; l < mesh.levels.size(); ++l) cull.errors[l + 1] = mesh.levels[l].error;
+  }
+  cull_meshes_ = uploaded(device, commands, "meshes to cull", meshes);
+}
+
 SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene) {
   const std::vector<uint32_t> texture_slots = uploadTextures(device, commands, scene);
 
   commands.begin();
   // Concatenate the meshes' vertices and indices.
+  Tables tables;
   std::vector<glm::vec3> positions;
   std::vector<shared::VertexAttributes> attributes;
   std::vector<uint32_t> indices;
-  std::vector<size_t> first_vertex, first_index;
   for (const scene::Mesh& mesh : scene.meshes) {
     if (mesh.submeshes.size() > kMaxSubmeshes)
       throw gpu::Failure({ErrorKind::limit,
                           "the mesh '" + mesh.name + "' has " + std::to_string(mesh.submeshes.size()) +
                               " materials, the limit is " + std::to_string(kMaxSubmeshes) + ": split it",
                           "mesh", mesh.name, std::to_string(kMaxSubmeshes)});
-    first_vertex.push_back(positions.size());
-    first_index.push_back(indices.size());
-    positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
-    for (size_t i = 0; i < mesh.positions.size(); ++i) attributes.push_back(attributesOf(mesh, i));
-    indices.insert(indices.end(), mesh.indices.begin(), mesh.indices.end());
+    if (mesh.indices.size() / 3 >= kMaxTriangles)
+      throw gpu::Failure({ErrorKind::limit,
+                          "the mesh '" + mesh.name + "' has " + std::to_string(mesh.indices.size() / 3) +
+                              " triangles, the limit is " + std::to_string(kMaxTriangles) + ": split it",
+                          "mesh", mesh.name, std::to_string(kMaxTriangles)});
+    const VertexOrder& order = tables.orders.emplace_back(vertexOrder(mesh));
+    tables.first_vertex.push_back(positions.size());
+    const auto vertices = static_cast<uint32_t>(mesh.positions.size());
+    for (uint32_t i = 0; i < vertices; ++i) {
+      positions.push_back(mesh.positions[order.vertex(i)]);
+      attributes.push_back(attributesOf(mesh, order.vertex(i)));
+    }
+    std::vector<size_t>& first_index = tables.first_index.emplace_back();
+    const auto append = [&](const std::vector<uint32_t>& level) {
+      first_index.push_back(indices.size());
+      for (const uint32_t vertex : level) indices.push_back(order.place(vertex));
+    };
+    append(mesh.indices);
+    for (const scene::MeshLevel& level : mesh.levels) append(level.indices);
   }
   positions_ = uploaded(device, commands, "vertex positions", positions);
   attributes_ = uploaded(device, commands, "vertex attributes", attributes);
   indices_ = uploaded(device, commands, "triangle indices", indices);
-
-  const std::vector<VkDeviceAddress> extras = uploadExtras(device, commands, scene);
-  const std::vector<VkDeviceAddress> deforms = uploadDeforms(device, commands, scene);
+  tables.extras = uploadExtras(device, commands, scene, tables.orders);
+  tables.deforms = uploadDeforms(device, commands, scene, tables.orders);
 
   // Tables of geometries, and what BLAS builds and draws need of them.
-  const effects::EmitterTriangles emitters = effects::collectEmitters(scene);
-  std::vector<shared::GeometryRecord> geometries;
-  std::vector<shared::MeshRecord> meshes;
-  std::vector<gpu::BlasInput> blas_inputs;
-  std::vector<size_t> shared_blas_of;  // mesh, by input
-  for (size_t m = 0; m < scene.meshes.size(); ++m) {
-    const scene::Mesh& mesh = scene.meshes[m];
-    const effects::MeshEmitters& mesh_emitters = emitters.meshes[m];
-    meshes.push_back({0, static_cast<uint32_t>(geometries.size()), static_cast<uint32_t>(mesh.submeshes.size()),
-                      mesh_emitters.first, mesh_emitters.count});
-    emitter_power_.push_back(mesh_emitters.power);
-    gpu::BlasInput blas{mesh.name, {}};
-    std::vector<DrawGeometry> draws;
-    for (size_t g = 0; g < mesh.submeshes.size(); ++g) {
-      const scene::Submesh& submesh = mesh.submeshes[g];
-      shared::GeometryRecord record{};
-      record.positions = positions_.address() + first_vertex[m] * sizeof(glm::vec3);
-      record.attributes = attributes_.address() + first_vertex[m] * sizeof(shared::VertexAttributes);
-      record.indices = indices_.address() + (first_index[m] + submesh.first_index) * sizeof(uint32_t);
-      record.extras = extras[m];
-      record.material = submesh.material;
-      record.emitter_offset = mesh_emitters.count ? mesh_emitters.geometry_offset[g] : shared::kNoTexture;
-      geometries.push_back(record);
-      const bool cut_out = scene.materials[submesh.material].masked() && !submesh.whole;
-      blas.geometries.push_back({record.positions, static_cast<uint32_t>(mesh.positions.size()), record.indices,
-                                 submesh.index_count / 3, !cut_out});
-      draws.push_back({record.positions, record.indices, submesh.index_count, cut_out});
-    }
-    // Of what deforms every instance has a BLAS of its own.
-    deforming_.emplace_back();
-    if (mesh.deforms()) {
-      deforming_.back() = {deforms[m],
-                           positions_.address() + first_vertex[m] * sizeof(glm::vec3),
-                           static_cast<uint32_t>(mesh.positions.size()),
-                           blas.geometries,
-                           gpu::movingBlasSizes(device, blas.geometries),
-                           mesh.indices.size() / 3};
-    } else {
-      shared_blas_of.push_back(m);
-      blas_inputs.push_back(std::move(blas));
-    }
-    draws_.push_back(std::move(draws));
+  tables.emitters = effects::collectEmitters(scene);
+  tables.meshes.resize(scene.meshes.size());
+  deforming_.resize(scene.meshes.size());
+  for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    emitter_power_.push_back(tables.emitters.meshes[m].power);
+    for (uint32_t level = 0; level <= scene.meshes[m].levels.size(); ++level) addLevel(device, scene, m, level, tables);
   }
-  geometries_ = uploaded(device, commands, "the geometry table", geometries);
-  emitter_triangles_ =
-      uploaded(device, commands, "the emissive triangles", emitters.triangles, gpu::MemoryCategory::path_tracing);
+  geometries_ = uploaded(device, commands, "the geometry table", tables.geometries);
+  emitter_triangles_ = uploaded(device, commands, "the emissive triangles", tables.emitters.triangles,
+                                gpu::MemoryCategory::path_tracing);
   materials_ = uploaded(device, commands, "the material table", materialTable(scene, TextureSlots{texture_slots}));
+  uploadDraws(device, commands, scene, tables);
 
   commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
-  blases_ = gpu::buildBlases(commands, blas_inputs);
-  for (size_t i = 0; i < blases_.size(); ++i) meshes[shared_blas_of[i]].blas = blases_[i].address();
-  meshes_ = uploaded(device, commands, "the mesh table", meshes);
+  blases_ = gpu::buildBlases(commands, tables.blas_inputs);
+  commands.submit();
+  (void)commands.finish();
+  compaction_ = gpu::compact(commands, blases_);
+  commands.begin();
+  for (size_t i = 0; i < blases_.size(); ++i) tables.meshes[tables.record_of_blas[i]].blas = blases_[i].address();
+  meshes_ = uploaded(device, commands, "the mesh table", tables.meshes);
   commands.submit();
   (void)commands.finish();
 }
@@ -208,7 +289,8 @@ uint64_t SceneResources::blasBytes() const {
 }
 
 std::vector<VkDeviceAddress> SceneResources::uploadDeforms(gpu::Device& device, gpu::Commands& commands,
-                                                           const scene::Scene& scene) {
+                                                           const scene::Scene& scene,
+                                                           const std::vector<VertexOrder>& orders) {
   // One buffer: skins, morph targets, then the records that say where they are (in bytes from the buffer's start, plus
   // 1).
   std::vector<std::byte> bytes;
@@ -229,18 +311,19 @@ std::vector<VkDeviceAddress> SceneResources::uploadDeforms(gpu::Device& device, 
     record.fit_height = mesh.fit_height;
     if (!mesh.skin.empty()) {
       std::vector<shared::VertexSkinRecord> skin;
-      for (const scene::VertexSkin& v : mesh.skin)
+      for (uint32_t i = 0; i < mesh.skin.size(); ++i) {
+        const scene::VertexSkin& v = mesh.skin[orders[m].vertex(i)];
         skin.push_back({v.joints.x | uint32_t{v.joints.y} << 16, v.joints.z | uint32_t{v.joints.w} << 16,
                         glm::packUnorm2x16(glm::vec2(v.weights)),
                         glm::packUnorm2x16(glm::vec2(v.weights.z, v.weights.w))});
+      }
       record.skin = append(std::span<const shared::VertexSkinRecord>(skin));
     }
     record.morph_count = static_cast<uint32_t>(mesh.morph_targets.size());
     std::vector<glm::vec3> morphs;
-    for (const scene::MorphTarget& target : mesh.morph_targets) {
-      morphs.insert(morphs.end(), target.positions.begin(), target.positions.end());
-      morphs.insert(morphs.end(), target.normals.begin(), target.normals.end());
-    }
+    for (const scene::MorphTarget& target : mesh.morph_targets)
+      for (const std::vector<glm::vec3>* values : {&target.positions, &target.normals})
+        for (uint32_t i = 0; i < values->size(); ++i) morphs.push_back((*values)[orders[m].vertex(i)]);
     if (!morphs.empty()) record.morphs = append(std::span<const glm::vec3>(morphs));
     record_of_mesh[m] = records.size();
     records.push_back(record);
@@ -262,27 +345,29 @@ std::vector<VkDeviceAddress> SceneResources::uploadDeforms(gpu::Device& device, 
 }
 
 std::vector<VkDeviceAddress> SceneResources::uploadExtras(gpu::Device& device, gpu::Commands& commands,
-                                                          const scene::Scene& scene) {
+                                                          const scene::Scene& scene,
+                                                          const std::vector<VertexOrder>& orders) {
   // One buffer: every mesh's arrays one behind the other, then the tables that say where they are.
   std::vector<glm::uvec2> words;
   std::vector<shared::VertexExtras> tables;  // in words from the buffer's start, plus 1
   std::vector<size_t> table_of_mesh;         // kNone: none
-  const auto append = [&words](const auto& array, auto&& pack) {
+  const auto append = [&words](const VertexOrder& order, const auto& array, auto&& pack) {
     const uint64_t first = words.size() + 1;
-    for (const auto& value : array) words.push_back(pack(value));
+    for (uint32_t i = 0; i < array.size(); ++i) words.push_back(pack(array[order.vertex(i)]));
     return first;
   };
-  for (const scene::Mesh& mesh : scene.meshes) {
+  for (size_t m = 0; m < scene.meshes.size(); ++m) {
+    const scene::Mesh& mesh = scene.meshes[m];
     table_of_mesh.push_back(mesh.colors.empty() && mesh.more_uvs.empty() ? scene::kNone : tables.size());
     if (table_of_mesh.back() == scene::kNone) continue;
     shared::VertexExtras table{};
     if (!mesh.colors.empty()) {
-      table.colors = append(mesh.colors, [](const glm::vec4& c) {
+      table.colors = append(orders[m], mesh.colors, [](const glm::vec4& c) {
         return glm::uvec2(glm::packUnorm2x16(glm::vec2(c)), glm::packUnorm2x16(glm::vec2(c.z, c.w)));
       });
     }
     for (size_t k = 0; k < std::min(mesh.more_uvs.size(), std::size(table.uvs)); ++k)
-      table.uvs[k] = append(mesh.more_uvs[k], [](const glm::vec2& uv) { return glm::floatBitsToUint(uv); });
+      table.uvs[k] = append(orders[m], mesh.more_uvs[k], [](const glm::vec2& uv) { return glm::floatBitsToUint(uv); });
     tables.push_back(table);
   }
   std::vector<VkDeviceAddress> addresses(scene.meshes.size(), 0);

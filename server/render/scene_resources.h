@@ -1,22 +1,22 @@
-// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, one shared BLAS a mesh, emissive
-// triangles. Immutable after upload; what users change is in accel::InstanceTable.
+// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, one shared BLAS a mesh and level of
+// detail, emissive triangles. Immutable after upload; what users change is in accel::InstanceTable.
 #pragma once
 
 #include <vector>
 
 #include "accel/units.h"
 #include "effects/emitters.h"
-#include "gpu/acceleration_structure.h"
+#include "gpu/compaction.h"
 #include "scene/scene.h"
 
 namespace helio::render {
 
-/// Where the raster side finds the triangles of one submesh.
-struct DrawGeometry {
-  VkDeviceAddress positions;
-  VkDeviceAddress indices;
-  uint32_t index_count;
-  bool cut_out;  ///< the fragment shader asks the material's mask
+/// A mesh's vertices as they are uploaded: those of coarse levels of detail first (scene/levels_of_detail.h).
+struct VertexOrder {
+  std::vector<uint32_t> vertices;  ///< of the mesh, in this order; empty: as they are
+  std::vector<uint32_t> places;    ///< of each of them in `vertices`
+  uint32_t vertex(uint32_t place) const { return vertices.empty() ? place : vertices[place]; }
+  uint32_t place(uint32_t vertex) const { return places.empty() ? vertex : places[vertex]; }
 };
 
 class SceneResources {
@@ -31,29 +31,43 @@ class SceneResources {
   VkDeviceAddress emitterTriangles() const { return emitter_triangles_.address(); }
   uint64_t emitterBytes() const { return emitter_triangles_.size(); }
   uint64_t textureBytes() const { return texture_bytes_; }
-  uint64_t blasBytes() const;  ///< of the shared BLASes
+  uint64_t blasBytes() const;                                                          ///< of the shared BLASes
+  uint64_t compactionSaved() const { return compaction_.before - compaction_.after; }  ///< bytes
   /// By mesh: what its instances' own BLASes are made of; empty entries for rigid meshes.
   const std::vector<accel::DeformingMesh>& deforming() const { return deforming_; }
-  const std::vector<float>& emitterPower() const { return emitter_power_; }       ///< by mesh
-  const std::vector<std::vector<DrawGeometry>>& draws() const { return draws_; }  ///< by mesh, by submesh
+  const std::vector<float>& emitterPower() const { return emitter_power_; }  ///< by mesh
+  // For the rasteriser (shared/draw.h): a DrawRecord for each submesh and level, those that ask no mask first; and a
+  // CullMesh a mesh.
+  VkDeviceAddress drawRecords() const { return draw_records_.address(); }
+  uint32_t drawCount() const { return draw_count_; }
+  uint32_t solidDraws() const { return solid_draws_; }
+  VkDeviceAddress cullMeshes() const { return cull_meshes_.address(); }
 
  private:
+  struct Tables;  // while they are filled
+  /// Adds the records of one mesh at one of its levels; level 0 first.
+  void addLevel(gpu::Device& device, const scene::Scene& scene, uint32_t mesh, uint32_t level, Tables& tables);
+  void uploadDraws(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene, Tables& tables);
+
   std::vector<uint32_t> uploadTextures(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
   /// Where each mesh's VertexExtras are; 0: it has none.
-  std::vector<VkDeviceAddress> uploadExtras(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
+  std::vector<VkDeviceAddress> uploadExtras(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene,
+                                            const std::vector<VertexOrder>& orders);
 
   /// Skins and morph targets, and where each deforming mesh has its own.
-  std::vector<VkDeviceAddress> uploadDeforms(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
+  std::vector<VkDeviceAddress> uploadDeforms(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene,
+                                             const std::vector<VertexOrder>& orders);
 
   std::vector<gpu::Image> textures_;
   uint64_t texture_bytes_ = 0;
   gpu::Buffer positions_, attributes_, indices_, extras_, deforms_;
-  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_;
+  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, draw_records_, cull_meshes_;
+  uint32_t draw_count_ = 0, solid_draws_ = 0;
   std::vector<gpu::AccelerationStructure> blases_;
+  gpu::Compaction compaction_;
   std::vector<accel::DeformingMesh> deforming_;
   std::vector<float> emitter_power_;
-  std::vector<std::vector<DrawGeometry>> draws_;
 };
 
 }  // namespace helio::render

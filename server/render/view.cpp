@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "shared/shadow_map.h"
+
 namespace helio::render {
 namespace {
 
@@ -15,7 +17,9 @@ bool continues(const ViewSettings& a, const ViewSettings& b) {
          a.sampler == b.sampler && a.light_sampling == b.light_sampling && a.mis == b.mis &&
          a.sky_sampling == b.sky_sampling && a.lamp_samples == b.lamp_samples && a.light_lists == b.light_lists &&
          a.round_surfaces == b.round_surfaces && a.multiple_scattering == b.multiple_scattering &&
-         a.regularisation == b.regularisation && a.materials == b.materials && a.accumulate == b.accumulate;
+         a.regularisation == b.regularisation && a.sun_shadow == b.sun_shadow &&
+         a.shadow_map_size == b.shadow_map_size && a.levels_of_detail == b.levels_of_detail &&
+         a.materials == b.materials && a.accumulate == b.accumulate;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
@@ -81,6 +85,14 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
     depth = gpu::Image(*device_, {"depth", settings.width, settings.height, 1, VK_FORMAT_D32_SFLOAT,
                                   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     commands.prepare(depth);
+  }
+  if (const uint32_t side = shared::kShadowTilesPerRow * settings.shadow_map_size;
+      settings.sun_shadow != SunShadow::rays && (!shadow_image || shadow_image.width() != side)) {
+    shadow_image = gpu::Image(*device_, {"the sun's shadow map", side, side, 1, VK_FORMAT_D32_SFLOAT,
+                                         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
+    commands.prepare(shadow_image);
+    shadow_constants =
+        gpu::Buffer(*device_, {"the shadow map's cascades", sizeof(shared::ShadowMap), gpu::MemoryCategory::raster});
   }
   if (settings.keep_radiance && radiance_readback.size() < texels * 16)
     radiance_readback = gpu::Buffer(

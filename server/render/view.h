@@ -6,6 +6,7 @@
 
 #include "gpu/commands.h"
 #include "gpu/memory.h"
+#include "render/draw_lists.h"
 #include "render/renderer.h"
 #include "shared/frame.h"
 
@@ -39,7 +40,12 @@ class View {
 
   // ---- Targets (shaders/shared/frame.h says what each holds) ----
   gpu::Image visibility, depth, radiance, accumulation, path_info;
-  gpu::Buffer constants, state, pixels, slots, ray_log;
+  gpu::Buffer constants, state, pixels, ray_log;
+  DrawLists draws;
+  // With a shadow map of the sun.
+  gpu::Image shadow_image;
+  gpu::Buffer shadow_constants;
+  DrawLists shadow_draws;
   gpu::Buffer state_readback, radiance_readback;
   std::shared_ptr<PixelPool::Lease> pixels_readback;
 

@@ -36,8 +36,10 @@ accel::ClipTable uploadClips(gpu::Device& device, gpu::Commands& commands, const
 accel::Viewpoint viewpointOf(const ViewRequest& request) {
   const CameraFrame frame = cameraFrame(request.camera);
   const float aspect = static_cast<float>(request.settings.width) / static_cast<float>(request.settings.height);
+  const bool reference = request.settings.mode == Mode::reference;
+  const bool levels = request.settings.levels_of_detail && !reference;
   return {accel::frustumOf(request.camera.position, frame.right, frame.up, frame.forward, frame.tangent, aspect),
-          request.settings.mode == Mode::reference};
+          reference, levels ? 2.0f * frame.tangent / static_cast<float>(request.settings.height) : 0.0f};
 }
 
 bool usesRaster(const ViewSettings& settings) {
@@ -49,7 +51,6 @@ bool usesRaster(const ViewSettings& settings) {
 struct WorldRenderer::Work {
   View& view;
   int owner;
-  DrawList draws;
   std::vector<shared::SampleConstants> samples;
 };
 
@@ -63,6 +64,8 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       clips_(uploadClips(*device_, commands_, *scene_)),
       units_(*device_, *scene_, clips_, resources_.deforming()),
       own_blases_(*device_),
+      detail_(*scene_),
+      draw_table_(*device_, scene_->meshes.size()),
       strategy_(accel::fullStrategy()),
       tlas_(*device_, commands_, *scene_),
       emitters_(*device_, *scene_),
@@ -89,7 +92,7 @@ void WorldRenderer::warmUp() {
       Graph graph;
       addWorldPasses(graph);
       view.begin(commands_, scene_->cameras.front().camera, settings, true, PathTrace::rayLogStride(settings.bounces));
-      Work work{view, 0, {}, {}};
+      Work work{view, 0, {}};
       addViewPasses(graph, work);
       graph.record(commands_);
       commands_.submit();
@@ -130,14 +133,20 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   instances_.apply(changes, [this](uint32_t prefab, int64_t count) { registry_.place(prefab, count); });
   units_.apply(changes, instances_, [this](uint32_t unit) { own_blases_.release(unit); });
   const bool edited = instances_.dirty();
+  if (edited) draw_table_.invalidate();
   const bool moved = units_.pose(changes.time, instances_);
   std::vector<accel::Viewpoint> viewers;
   for (const ViewRequest& request : requests) viewers.push_back(viewpointOf(request));
   strategy_->begin(viewers);
-  own_blases_.plan(wantedUnits(viewers), units_, changes.tick, moved);
+  detail_.begin(viewers);
+  detail_.place(instances_, changes);
+  detail_.plan(instances_, units_);
+  const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
+  own_blases_.plan(wantedUnits(viewers), units_, instances_, changes.tick, moved, reference);
+  const bool changed = edited || moved || own_blases_.hasWork() || instances_.orderDirty();
   // What culls follows the cameras.
-  reassemble_ = reassemble_ || edited || moved || own_blases_.hasWork() || strategy_->volumes() != nullptr;
-  const bool scene_changed = edited || moved || own_blases_.hasWork() || changes.environment_changed;
+  reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr;
+  const bool scene_changed = changed || changes.environment_changed;
   environment_ = changes.environment;
   effects_ = registry_.present(environment_);
 
@@ -149,6 +158,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     ggx_albedo_ = {};
     units_.forget();
     own_blases_.forget();
+    draw_table_.invalidate();
     reassemble_ = true;
     for (const auto& [handle, view] : views_) view->forget();
     throw;
@@ -166,7 +176,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
     View& view = *views_.at(request.view);
     view.begin(commands_, request.camera, request.settings, scene_changed,
                PathTrace::rayLogStride(request.settings.bounces));
-    work.push_back({view, static_cast<int>(work.size()), {}, {}});
+    work.push_back({view, static_cast<int>(work.size()), {}});
     addViewPasses(graph, work.back());
   }
   graph.record(commands_);
@@ -179,7 +189,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   return frames;
 }
 
-std::vector<uint32_t> WorldRenderer::wantedUnits(std::span<const accel::Viewpoint> viewers) const {
+std::vector<accel::WantedUnit> WorldRenderer::wantedUnits(std::span<const accel::Viewpoint> viewers) const {
   std::vector<std::pair<float, uint32_t>> ranked;
   const std::vector<accel::Unit>& units = units_.units();
   for (uint32_t unit = 0; unit < units.size(); ++unit) {
@@ -192,9 +202,10 @@ std::vector<uint32_t> WorldRenderer::wantedUnits(std::span<const accel::Viewpoin
     ranked.emplace_back(nearest, unit);
   }
   std::sort(ranked.begin(), ranked.end());
-  std::vector<uint32_t> wanted;
+  std::vector<accel::WantedUnit> wanted;
   wanted.reserve(ranked.size());
-  for (const auto& [distance, unit] : ranked) wanted.push_back(unit);
+  for (const auto& [distance, unit] : ranked)
+    wanted.push_back({unit, detail_.levelFor(instances_, units[unit].slot, own_blases_.level(unit))});
   return wanted;
 }
 
@@ -208,7 +219,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
              {&tlas_, gpu::use::transfer_write}},
             [this](gpu::Commands& commands) {
               if (instances_.orderDirty() || !instances_.recordBuffer()) instances_.upload(commands);
-              if (units_.dirty()) units_.upload(commands);
+              if (units_.dirty()) units_.upload(commands, instances_);
               own_blases_.upload(commands);
               tlas_.reserve(commands, instances_, *strategy_);
               tlas_.upload(commands);
@@ -252,16 +263,13 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
             {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
             [this, &view](gpu::Commands& commands) { uploadConstants(commands, view); });
 
+  const bool shadow_map = usesShadowMap(settings, effects_);
   for (uint32_t i = 0; i < settings.samples; ++i) {
     work.samples.push_back(view.nextSample());
     const shared::SampleConstants& sample = work.samples.back();
-    if (!usesRaster(settings)) {
-      passes_.primary_traced.add(pass, sample, effects_);
-    } else if (i == 0) {  // rasterised once a tick; the samples share its hits
-      const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
-      work.draws = cullToFrustum(instances_, scene_->meshes.size(), view.camera(), aspect);
-      passes_.primary_raster.add(pass, work.draws, resources_, sample.jitter, effects_);
-    }
+    if (!usesRaster(settings)) { passes_.primary_traced.add(pass, sample, effects_); }
+    // Once a tick; the samples share what is rasterised.
+    if (i == 0 && (usesRaster(settings) || shadow_map)) addRasterPasses(pass, sample.jitter);
     passes_.path_trace.add(pass, sample, effects_);
     passes_.statistics.add(pass, sample);
     if (view.accumulating()) passes_.accumulate.add(pass, sample);
@@ -272,9 +280,11 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   passes_.tonemap.add(pass, last);
   graph.add("read_back", work.owner,
             {{&view.pixels, gpu::use::transfer_read},
+             {&view.draws, gpu::use::transfer_read},
              {&view.state, gpu::use::transfer_read},
              {&view.shown(), gpu::use::transfer_read}},
             [&view](gpu::Commands& commands) {
+              if (usesRaster(view.settings())) view.draws.readBack(commands);
               commands.copy(view.pixels, view.pixels_readback->buffer, view.pixels.size());
               commands.copy(view.state, view.state_readback, sizeof(shared::ViewState));
               if (view.settings().keep_radiance) commands.copy(view.shown(), view.radiance_readback);
@@ -284,6 +294,24 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
     passes_.path_trace.addLog(pass, work.samples.back(), effects_);
     passes_.bare_trace.add(pass, work.samples.back(), effects_);
   }
+}
+
+void WorldRenderer::addRasterPasses(const ViewPass& pass, const glm::vec2& jitter) {
+  const ViewSettings& settings = pass.view.settings();
+  if (draw_table_.dirty())
+    pass.graph.add("draw_table", Graph::kShared, {{&draw_table_, gpu::use::transfer_write}},
+                   [this](gpu::Commands& commands) {
+                     if (draw_table_.dirty()) draw_table_.upload(commands, instances_);  // for all views
+                   });
+  const RasterPass raster{resources_, draw_table_, instances_, passes_.culling, effects_};
+  if (usesRaster(settings)) passes_.primary_raster.add(pass, raster, jitter);
+  if (!usesShadowMap(settings, effects_)) return;
+  accel::OrderBlock world;
+  scene::Aabb bounds;
+  for (const accel::OrderBlock& block : instances_.blocks())
+    bounds.grow({block.centre - block.radius, block.centre + block.radius});
+  if (!bounds.empty()) world = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
+  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world);
 }
 
 void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
@@ -323,6 +351,8 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.sun_one_minus_cos = static_cast<float>(2.0 * std::pow(std::sin(0.5 * half_angle), 2.0));
   c.sky_zenith = environment_.sky.zenith;
   c.sky_ground = environment_.sky.ground;
+
+  if (usesShadowMap(settings, effects_)) c.shadow_map = view.shadow_constants.address();
 
   c.max_scatterings = PathTrace::vertices(settings.bounces) - 1;
   if (showsProperty(settings.materials)) {  // of the first hit alone, before black
@@ -401,11 +431,16 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.accumulated = view.accumulated();
   stats.tlas_instances = tlas_.entered();
   stats.acceleration = accelerationUse(view);
-  stats.triangles_drawn = PrimaryRaster::triangles(work.draws, resources_);
+  if (usesRaster(settings)) stats.triangles_drawn = view.draws.triangles();
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
-  stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster),
-                  device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
-                  device_->memoryInUse(gpu::MemoryCategory::path_tracing)};
+  stats.memory = {
+      device_->memoryInUse(gpu::MemoryCategory::raster),
+      device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
+      device_->memoryInUse(gpu::MemoryCategory::path_tracing),
+      device_->memoryInUse(gpu::MemoryCategory::transfer),
+      tlas_.scratchBytes() + own_blases_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
+          view.shadow_draws.bytes(),
+      instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + detail_.cpuBytes() + draw_table_.cpuBytes()};
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));
 
@@ -438,6 +473,7 @@ AccelerationUse WorldRenderer::accelerationUse(const View& view) const {
   use.blases_built = own.built;
   use.blases_refitted = own.refitted;
   use.blas_triangles = own.triangles;
+  use.levels_switched = detail_.switched();
   const CameraFrame frame = cameraFrame(view.camera());
   const float aspect = static_cast<float>(view.settings().width) / static_cast<float>(view.settings().height);
   const shared::CullVolume frustum =
@@ -448,6 +484,7 @@ AccelerationUse WorldRenderer::accelerationUse(const View& view) const {
     use.own_blases_in_view += accel::inFrustum(frustum, placed.centre, placed.radius);
   }
   use.shared_blas_bytes = resources_.blasBytes();
+  use.compaction_saved_bytes = resources_.compactionSaved();
   use.own_blas_bytes = own_blases_.structureBytes();
   use.own_vertex_bytes = own_blases_.vertexBytes();
   use.tlas_bytes = tlas_.bytes();

@@ -5,12 +5,14 @@
 #include <memory>
 #include <mutex>
 
+#include "accel/detail.h"
 #include "accel/instance_table.h"
 #include "accel/own_blases.h"
 #include "accel/strategy.h"
 #include "accel/tlas_assembly.h"
 #include "accel/units.h"
 #include "effects/registry.h"
+#include "render/draw_table.h"
 #include "render/emitter_instances.h"
 #include "render/passes.h"
 #include "render/path_queue.h"
@@ -31,6 +33,8 @@ class WorldRenderer {
   void removeView(ViewHandle handle);
   /// From the next tick on.
   void setCulling(Culling culling);
+  /// Builds BLASes of instances' own one by one. Before the first tick.
+  void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
 
   /// One tick (algorithms: apply edits → upload → assemble → build the TLAS → per view: primary hits → path trace →
   /// accumulate → exposure → tonemap → read back). Throws gpu::Failure; the changes are kept for the next tick then.
@@ -42,7 +46,9 @@ class WorldRenderer {
   std::vector<Frame> render(const world::ChangeSet& changes, std::span<const ViewRequest> requests, bool scene_changed);
   void addWorldPasses(Graph& graph);
   /// Which units need a BLAS in this tick, the nearest to a viewer first.
-  std::vector<uint32_t> wantedUnits(std::span<const accel::Viewpoint> viewers) const;
+  std::vector<accel::WantedUnit> wantedUnits(std::span<const accel::Viewpoint> viewers) const;
+  /// Rasterised primary hits and the sun's shadow map, as far as the view asks for them.
+  void addRasterPasses(const ViewPass& pass, const glm::vec2& jitter);
   AccelerationUse accelerationUse(const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
@@ -61,6 +67,8 @@ class WorldRenderer {
   accel::ClipTable clips_;
   accel::Units units_;
   accel::OwnBlases own_blases_;
+  accel::Detail detail_;
+  DrawTable draw_table_;
   std::unique_ptr<accel::CullingStrategy> strategy_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;

@@ -8,6 +8,7 @@
 #include "scene/city_furnish.h"
 #include "scene/city_plan.h"
 #include "scene/city_units.h"
+#include "scene/levels_of_detail.h"
 #include "scene/triangle_order.h"
 
 namespace helio::scene {
@@ -85,8 +86,13 @@ Result<ScenePtr> generateCity(const CityParameters& parameters) {
   scene->textures = std::move(catalogue.palette.textures);
   scene->materials = std::move(catalogue.palette.materials);
   scene->meshes = std::move(catalogue.meshes);
-  for (Mesh& mesh : scene->meshes) orderTriangles(mesh);
   scene->prefabs = std::move(catalogue.prefabs);
+  for (const Prefab& prefab : scene->prefabs) {
+    Mesh& mesh = scene->meshes[prefab.mesh];
+    orderTriangles(mesh);
+    // Tiles of the terrain must meet at their borders, whatever level each has: they have one.
+    if (prefab.category != "terrain") makeLevels(mesh, scene->materials, Seams::cross);
+  }
   return ScenePtr(std::move(scene));
 }
 

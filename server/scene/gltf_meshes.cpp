@@ -8,6 +8,7 @@
 #include "scene/gltf_accessor.h"
 #include "scene/gltf_extensions.h"
 #include "scene/gltf_import.h"
+#include "scene/levels_of_detail.h"
 #include "scene/triangle_order.h"
 #include "scene/vertex_frames.h"
 
@@ -73,6 +74,7 @@ class MeshImporter {
       splitCutOuts(mesh, scene_.materials, scene_.textures);
       if (mesh.indices.empty()) continue;
       orderTriangles(mesh);
+      makeLevels(mesh, scene_.materials, Seams::keep);
       prefab_of_mesh[i] = static_cast<uint32_t>(scene_.prefabs.size());
       scene_.prefabs.push_back({mesh.name, "model", static_cast<uint32_t>(scene_.meshes.size()), true});
       scene_.meshes.push_back(std::move(mesh));

@@ -111,6 +111,13 @@ struct Submesh {
   bool whole = false;  ///< of a masked material: its mask cuts nothing out of these triangles (scene/cut_outs.h)
 };
 
+/// Coarser triangles of a mesh, over its vertices (scene/levels_of_detail.h).
+struct MeshLevel {
+  std::vector<uint32_t> indices;
+  std::vector<Submesh> submeshes;  ///< as the mesh's, in their order; some may be empty
+  float error = 0.0f;              ///< metres that its surface may be off
+};
+
 /// Indexed triangles, counter-clockwise is front. All attribute arrays have positions.size() entries after finish(),
 /// but for `colors`, which may be empty.
 struct Mesh {
@@ -123,6 +130,7 @@ struct Mesh {
   std::vector<glm::vec4> colors;                 ///< linear, [0, 1]: multiply the base colour; empty: white
   std::vector<uint32_t> indices;
   std::vector<Submesh> submeshes;
+  std::vector<MeshLevel> levels;           ///< ever coarser ones; the mesh itself is the finest, level 0
   std::vector<VertexSkin> skin;            ///< of skinned meshes: one a vertex; else empty
   std::vector<MorphTarget> morph_targets;  ///< as many as its rig has weights
   /// Of buildings fitted to the ground, metres: what lies at or below 0 follows the height of the ground under it, what

@@ -14,9 +14,10 @@ float halfArea(const Aabb& box) {
 
 class Sorter {
  public:
-  Sorter(const Mesh& mesh, const Submesh& submesh) : boxes_(submesh.index_count / 3), order_(boxes_.size()) {
+  Sorter(const std::vector<glm::vec3>& positions, std::span<const uint32_t> indices)
+      : boxes_(indices.size() / 3), order_(boxes_.size()) {
     for (size_t t = 0; t < boxes_.size(); ++t)
-      for (size_t k = 0; k < 3; ++k) boxes_[t].grow(mesh.positions[mesh.indices[submesh.first_index + 3 * t + k]]);
+      for (size_t k = 0; k < 3; ++k) boxes_[t].grow(positions[indices[3 * t + k]]);
     std::iota(order_.begin(), order_.end(), 0u);
   }
 
@@ -67,15 +68,17 @@ class Sorter {
 
 }  // namespace
 
+void orderTriangles(const std::vector<glm::vec3>& positions, std::vector<uint32_t>& indices, const Submesh& submesh) {
+  const std::span<uint32_t> range = std::span(indices).subspan(submesh.first_index, submesh.index_count);
+  const std::vector<uint32_t> before(range.begin(), range.end());
+  auto to = range.begin();
+  Sorter sorter(positions, before);
+  for (const uint32_t t : sorter.sort())
+    to = std::copy_n(before.begin() + static_cast<std::ptrdiff_t>(size_t{3} * t), 3, to);
+}
+
 void orderTriangles(Mesh& mesh) {
-  std::vector<uint32_t> indices;
-  for (const Submesh& submesh : mesh.submeshes) {
-    indices.assign(mesh.indices.begin() + submesh.first_index,
-                   mesh.indices.begin() + submesh.first_index + submesh.index_count);
-    uint32_t* to = &mesh.indices[submesh.first_index];
-    Sorter sorter(mesh, submesh);
-    for (const uint32_t t : sorter.sort()) to = std::copy_n(&indices[size_t{3} * t], 3, to);
-  }
+  for (const Submesh& submesh : mesh.submeshes) orderTriangles(mesh.positions, mesh.indices, submesh);
 }
 
 }  // namespace helio::scene

@@ -10,5 +10,7 @@ namespace helio::scene {
 /// structures by halving triangles in the order in which they are given, so this is the quality of its trees; other
 /// devices read neighbours from the same cache lines. Deterministic.
 void orderTriangles(Mesh& mesh);
+/// The same for one range of `indices` into `positions`.
+void orderTriangles(const std::vector<glm::vec3>& positions, std::vector<uint32_t>& indices, const Submesh& submesh);
 
 }  // namespace helio::scene

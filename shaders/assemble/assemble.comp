@@ -57,7 +57,9 @@ void main() {
       // What was scaled to nothing has no rows: rays cannot meet it.
       const bool there = instance.mesh != kNoMesh && (instance.rows[0].xyz != vec3(0.0) || instance.rows[1].xyz != vec3(0.0) || instance.rows[2].xyz != vec3(0.0));
       if (there) {
-        const uint64_t blas = instance.deform != 0ul ? DeformRef(instance.deform).record.blas : MeshTable(assemble.meshes).items[instance.mesh].blas;
+        MeshRecord mesh = MeshTable(assemble.meshes).items[instance.mesh];
+        if (instance.deform == 0ul && instance.level > 0u) mesh = MeshTable(assemble.meshes).items[mesh.coarser + instance.level - 1u];
+        const uint64_t blas = instance.deform != 0ul ? DeformRef(instance.deform).record.blas : mesh.blas;
         // What has a BLAS of its own was decided on the CPU.
         if (blas != 0ul && (instance.deform != 0ul || wanted(instance))) {
           result.rows = instance.rows;

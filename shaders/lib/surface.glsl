@@ -55,6 +55,22 @@ vec3 normalToWorld(InstanceRecord instance, vec3 n) {
   return mirrors(instance) ? -v : v;
 }
 
+// The mesh of an instance at one of its levels of detail.
+MeshRecord meshLevel(InstanceRecord instance, uint level) {
+  const MeshRecord finest = MeshTable(frame.meshes).items[instance.mesh];
+  if (level == kLevelInBlas) level = instance.level;
+  if (level == 0u) return finest;
+  return MeshTable(frame.meshes).items[finest.coarser + level - 1u];
+}
+
+// How far apart, at most, are the surface that was rasterised and the one that rays from there meet; metres.
+float levelGap(InstanceRecord instance, MeshRecord rasterised, uint level) {
+  if (level == kLevelInBlas || level == instance.level) return 0.0;
+  const vec3 scale = vec3(dot(instance.rows[0].xyz, instance.rows[0].xyz), dot(instance.rows[1].xyz, instance.rows[1].xyz),
+                          dot(instance.rows[2].xyz, instance.rows[2].xyz));
+  return sqrt(maxComponent(scale)) * (rasterised.error + meshLevel(instance, kLevelInBlas).error);
+}
+
 float reachOf(Triangle t) { return maxComponent(max(abs(t.p[0]), max(abs(t.p[1]), abs(t.p[2])))); }
 
 Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primitive) {
@@ -67,8 +83,8 @@ Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primiti
   if (kDeforming && instance.deform != 0ul) {
     const DeformRecord deform = DeformRef(instance.deform).record;
     for (int i = 0; i < 3; ++i) {
-      // What has a BLAS was deformed already.
-      if (deform.positions != 0ul) t.local[i] = PositionTable(deform.positions).items[t.vertices[i]];
+      // What is in a BLAS was deformed already.
+      if (deform.positions != 0ul && t.vertices[i] < deform.vertex_count) t.local[i] = PositionTable(deform.positions).items[t.vertices[i]];
       else t.local[i] = deformPosition(deform, instance, t.local[i], t.vertices[i]);
     }
   }
@@ -167,7 +183,7 @@ vec3 shownProperty(vec3 albedo, vec2 roughness_metallic, vec3 emission, vec3 nor
 
 Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float cone_spread, vec3 origin) {
   const InstanceRecord instance = InstanceTable(frame.instances).items[hit.slot];
-  const MeshRecord mesh = MeshTable(frame.meshes).items[instance.mesh];
+  const MeshRecord mesh = meshLevel(instance, hit.level);
   const Triangle t = loadTriangle(instance, mesh.first_geometry + hit.geometry, hit.primitive);
   const MaterialRecord material = MaterialTable(frame.materials).items[t.geometry.material];
   const vec3 w = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
@@ -199,6 +215,8 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   if (frame.round_surfaces != 0u && (a0.normal != a1.normal || a0.normal != a2.normal)) {
     s.rounding = vectorToWorld(instance, roundingOf(t, w, normals, from_behind ? -1.0 : 1.0));
   }
+  // Where the rasteriser drew another level than the BLAS has, rays leave from above both [Kelling §3.2.1].
+  s.rounding += levelGap(instance, mesh, hit.level) * s.geometric_normal;
   s.rounded = dot(s.rounding, s.rounding) > 0.0;
 
   vec4 base = material.base_color;

@@ -7,4 +7,4 @@
 layout(location = 0) rayPayloadInEXT Hit payload;
 hitAttributeEXT vec2 barycentrics;
 
-void main() { payload = Hit(gl_InstanceCustomIndexEXT, gl_GeometryIndexEXT, gl_PrimitiveID, barycentrics); }
+void main() { payload = Hit(gl_InstanceCustomIndexEXT, gl_GeometryIndexEXT, gl_PrimitiveID, barycentrics, kLevelInBlas); }

@@ -87,6 +87,7 @@ struct DeformRecord {
   uint64_t weights;    // float a morph target
   uint64_t positions;  // vec3 a vertex, deformed in this tick; 0: not in a BLAS
   uint64_t blas;       // device address; 0: rays do not meet it
+  uint vertex_count;   // of `positions`: a coarse level has the first of the mesh's vertices
 };
 
 // Instances whose records changed: `records[i]` goes to slot `slots[i]`.

@@ -44,6 +44,8 @@ struct FrameConstants {
   vec3 sky_zenith;
   vec3 sky_ground;
 
+  uint64_t shadow_map;  // ShadowMap (shared/shadow_map.h), where the sun's shadows ask for one
+
   // Path tracing.
   uint max_scatterings;  // B + 1
   uint roulette;         // 0 or 1

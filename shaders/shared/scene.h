@@ -61,7 +61,16 @@ struct MeshRecord {
   uint geometry_count;
   uint first_emitter;  // in the table of emissive triangles
   uint emitter_count;  // 0: nothing shines
+  uint coarser;        // the mesh's level 1 in the mesh table, with the further ones behind it
+  float error;         // metres that this level may be off
 };
+
+// Levels of detail of a mesh, the finest with them.
+HELIO_CONSTANT kMostLevels = 4u;
+// In the second word of the visibility image, above the primitive: the level that was rasterised, or this where a ray
+// met what is in the BLAS. 15 belongs to kNothing.
+HELIO_CONSTANT kVisibilityLevelShift = 28u;
+HELIO_CONSTANT kLevelInBlas = 14u;
 
 struct MaterialRecord {
   vec4 base_color;  // a: over the alpha cutoff, so that there is no surface where it comes below 1 (kMaterialMasked)
@@ -94,6 +103,7 @@ struct InstanceRecord {
   float emitter_weight;  // its power, up to a factor common to all; over FrameConstants.emitter_weight_sum: its
                          // probability
   uint64_t deform;       // DeformRecord (shared/animation.h); 0: as its mesh is
+  uint level;            // of its mesh's levels of detail: the one that rays meet
 };
 
 // Entry of a table for Walker's alias method: take `index` itself with probability `keep`, else `alias`.

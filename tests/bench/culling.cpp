@@ -8,6 +8,7 @@
 #include "bench/files.h"
 #include "bench/image.h"
 #include "bench/progress.h"
+#include "bench/settings.h"
 
 namespace helio::bench {
 namespace {
@@ -92,10 +93,12 @@ class Contestant {
     run.tlas_ms = of([](const Stats& f) { return passMs(f, {"tlas"}); });
     run.assemble_ms = of([](const Stats& f) { return passMs(f, {"assemble"}); });
     run.path_trace_ms = of([](const Stats& f) { return passMs(f, {"path_trace"}); });
-    run.shadow_ms = of([](const Stats& f) { return passMs(f, {"shadow_map"}); });
-    run.primary_ms = of([](const Stats& f) { return passMs(f, {"draw_list", "primary_raster", "primary_traced"}); });
+    run.shadow_ms = of([](const Stats& f) { return passMs(f, {"shadow_cull", "shadow_map"}); });
+    run.primary_ms = of([](const Stats& f) { return passMs(f, {"cull", "primary_raster", "primary_traced"}); });
     run.frame_ms = of([](const Stats& f) { return f.gpu_ms; });
     run.memory = frames_.back().acceleration;
+    run.working_set_bytes = frames_.back().memory.working_set;
+    run.cpu_bytes = frames_.back().memory.cpu;
     return run;
   }
 
@@ -108,6 +111,7 @@ class Contestant {
     render::ViewSettings settings;
     settings.width = options_.width;
     settings.height = options_.height;
+    (void)apply(options_.settings, settings);  // checked when the benchmark began
     return settings;
   }
   Result<void> newView() {
@@ -143,7 +147,12 @@ Image difference(const Image& a, const Image& b) {
 }
 
 Result<void> measureCulling(const CullingOptions& options, const std::string& command_line) {
-  auto renderer = render::makeRenderer({options.device});
+  render::ViewSettings probe;
+  if (auto valid = apply(options.settings, probe); !valid) return valid;
+  render::RendererOptions renderer_options;
+  renderer_options.device = options.device;
+  renderer_options.one_call_a_blas = options.one_call_a_blas;
+  auto renderer = render::makeRenderer(renderer_options);
   if (!renderer) return renderer.error();
   CullingReport report;
   report.provenance = provenance((*renderer)->device(), command_line);
@@ -221,6 +230,9 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
       ->delimiter(',')
       ->capture_default_str()
       ->check(CLI::IsMember({"full", "frustum_radius"}));
+  addSettingOptions(command, options->settings);
+  command.add_flag("--one-call-a-blas", options->one_call_a_blas,
+                   "builds BLASes of instances' own one by one: what the batch saves");
   command.add_option("--device", options->device,
                      "part of a Vulkan device's name, cpu or gpu; default: HELIOGRAPH_DEVICE, then the best there is");
   command.add_flag("--json", options->json, "one JSON document, schema heliograph.bench.culling/1");

@@ -19,6 +19,8 @@ struct CullingOptions {
   uint32_t warmup = 10;
   uint32_t samples = 256;  ///< averaged for the image error
   std::vector<render::Culling> strategies = {render::Culling::full, render::Culling::frustum_radius};
+  std::vector<std::string> settings;  ///< of the views: NAME=VALUE
+  bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
   std::string device;
   std::string plot;  ///< an SVG file; empty: none
   bool json = false;
@@ -37,6 +39,7 @@ struct CullingRun {
   Summary skin_ms;  ///< poses and deformed vertices
   Summary blas_ms, tlas_ms, assemble_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms;
   render::AccelerationUse memory;
+  uint64_t working_set_bytes = 0, cpu_bytes = 0;  ///< of the world (render::MemoryUse)
   ImageError composite, indirect;
 };
 

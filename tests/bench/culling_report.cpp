@@ -21,6 +21,9 @@ Json toJson(const CullingRun& run) {
             {"tlas", memory.tlas_bytes},
             {"scratch", memory.scratch_bytes},
             {"total", memory.total()}}},
+          {"compaction_saved_bytes", memory.compaction_saved_bytes},
+          {"working_set_bytes", run.working_set_bytes},
+          {"cpu_bytes", run.cpu_bytes},
           {"blas_triangles", toJson(run.blas_triangles)},
           {"skin_ms", toJson(run.skin_ms)},
           {"blas_ms", toJson(run.blas_ms)},
@@ -120,11 +123,14 @@ std::string toMarkdown(const CullingReport& report) {
   row("own BLASes in view", [](const CullingRun& r) { return count(r.own_blas_in_view); });
   row("BLAS triangles a tick", [](const CullingRun& r) { return count(r.blas_triangles); });
   row("memory: shared BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.shared_blas_bytes); });
+  row("saved by compacting them, MB", [](const CullingRun& r) { return megabytes(r.memory.compaction_saved_bytes); });
   row("memory: own BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.own_blas_bytes); });
   row("memory: own vertices, MB", [](const CullingRun& r) { return megabytes(r.memory.own_vertex_bytes); });
   row("memory: TLAS, MB", [](const CullingRun& r) { return megabytes(r.memory.tlas_bytes); });
   row("memory: scratch, MB", [](const CullingRun& r) { return megabytes(r.memory.scratch_bytes); });
   row("memory: total, MB", [](const CullingRun& r) { return megabytes(r.memory.total()); });
+  row("memory: working set, MB", [](const CullingRun& r) { return megabytes(r.working_set_bytes); });
+  row("memory: CPU, MB", [](const CullingRun& r) { return megabytes(r.cpu_bytes); });
   row("poses and skinning, ms", [](const CullingRun& r) { return ms(r.skin_ms); });
   row("BLAS, ms", [](const CullingRun& r) { return ms(r.blas_ms); });
   row("assemble, ms", [](const CullingRun& r) { return ms(r.assemble_ms); });

@@ -26,7 +26,10 @@ const std::map<std::string, Setter>& setters() {
                                                    {"round_surfaces", into(&S::round_surfaces)},
                                                    {"multiple_scattering", into(&S::multiple_scattering)},
                                                    {"regularisation", into(&S::regularisation)},
-                                                   {"path_launches", into(&S::path_launches)}};
+                                                   {"path_launches", into(&S::path_launches)},
+                                                   {"sun_shadow", into(&S::sun_shadow)},
+                                                   {"shadow_map_size", into(&S::shadow_map_size)},
+                                                   {"levels_of_detail", into(&S::levels_of_detail)}};
   return table;
 }
 

@@ -22,6 +22,7 @@ render::ViewSettings live(Primary primary) {
   settings.bounces = 0;
   settings.accumulate = false;
   settings.auto_exposure = false;
+  settings.levels_of_detail = false;
   return settings;
 }
 
@@ -111,6 +112,22 @@ TEST(Moving, RasterisedAndTracedPicturesAgreeWhileEverythingMoves) {
     const render::AccelerationUse& use = b.stats.acceleration;
     EXPECT_EQ(use.blases_built + use.blases_refitted, tick == 0 ? use.own_blases : use.own_blases - 1)
         << "tick " << tick;
+  }
+}
+
+TEST(Moving, RasterisedAndTracedPicturesOfCoarserLevelsAgree) {
+  const scene::ScenePtr scene = parade(true);
+  Stage rasterised(scene), traced(scene), exact(scene);
+  render::ViewSettings raster = live(Primary::raster), rays = live(Primary::traced);
+  raster.levels_of_detail = rays.levels_of_detail = true;
+  for (int tick = 0; tick < 3; ++tick) {
+    const render::Frame a = rasterised.tick(kParadeCamera, raster), b = traced.tick(kParadeCamera, rays),
+                        c = exact.tick(kParadeCamera, live(Primary::traced));
+    EXPECT_LT(a.stats.triangles_drawn, 12'000u);
+    EXPECT_LT(b.stats.acceleration.blas_triangles, c.stats.acceleration.blas_triangles * 2 / 3);
+    EXPECT_LT(difference(a, b), 0.004) << "tick " << tick;  // the margin at which levels switch
+    EXPECT_LT(difference(b, c), 0.02) << "tick " << tick;   // a pixel off along edges
+    EXPECT_GT(difference(b, c), 0.0) << "tick " << tick;
   }
 }
 

@@ -11,7 +11,7 @@ void main() {
   const uint i = gl_GlobalInvocationID.x;
   if (i >= probe.count) return;
   const EmitterQuestion q = Questions(probe.questions).items[i];
-  const Surface s = loadSurface(Hit(q.slot, q.geometry, q.primitive, q.barycentrics), vec3(0.0, -1.0, 0.0), 0.0, 0.0, q.p);
+  const Surface s = loadSurface(Hit(q.slot, q.geometry, q.primitive, q.barycentrics, 0u), vec3(0.0, -1.0, 0.0), 0.0, 0.0, q.p);
   const float slot_probability = emitterProbability(q.p, s.slot, s.emitter_weight);
   Answers(probe.answers).items[i] = EmitterDensity(s.position, slot_probability * s.emitter_pdf_area, s.emission, slot_probability);
 }

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 
+#include "render/passes/shadow_map.h"
 #include "shared/paths.h"
+
+static_assert(static_cast<uint32_t>(helio::render::SunShadow::rays_and_map) == helio::shared::kSunShadowRaysAndMap);
+static_assert(static_cast<uint32_t>(helio::render::SunShadow::map) == helio::shared::kSunShadowMap);
 
 namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
-                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kConstants = 46;
+                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kSunShadowConstant = 46, kConstants = 47;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -53,6 +57,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kSkySamplingConstant] = settings.sky_sampling;
   constants[kMultipleScatteringConstant] = settings.multiple_scattering;
   constants[kManyLampsConstant] = settings.lamp_samples != 1;
+  if (usesShadowMap(settings, effects)) constants[kSunShadowConstant] = static_cast<uint32_t>(settings.sun_shadow);
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
@@ -105,6 +110,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {pass.instances, gpu::use::ray_read},
                   {&view.constants, gpu::use::ray_read},
                   {&view.visibility, gpu::use::ray_read},
+                  {&view.shadow_image, gpu::use::ray_read},
                   {&pass.paths, kQueueUse},
                   {&view.radiance, gpu::use::ray_write},
                   {&view.path_info, kPathUse},

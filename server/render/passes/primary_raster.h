@@ -1,28 +1,34 @@
-// Pass `primary_raster`: primary hits by rasterisation into the visibility image.
+// Passes `cull` and `primary_raster`: primary hits by rasterisation into the visibility image.
 #pragma once
 
 #include <array>
 
 #include "gpu/pipelines.h"
-#include "render/draw_list.h"
+#include "render/draw_lists.h"
 #include "render/passes/pass.h"
-#include "render/scene_resources.h"
 
 namespace helio::render {
+
+/// What passes that rasterise are given beside their view.
+struct RasterPass {
+  const SceneResources& scene;
+  const DrawTable& table;
+  const accel::InstanceTable& instances;
+  const CullPipelines& culling;
+  effects::EffectSet effects;
+};
+
+/// Pipelines of one pair of shaders: for what asks no alpha mask, and for what does.
+std::array<gpu::RasterPipeline, 2> rasterPipelines(gpu::Device& device, gpu::RasterDescription description);
 
 class PrimaryRaster {
  public:
   explicit PrimaryRaster(gpu::Device& device);
-  /// Adds `draw_list` (the slots' upload) and `primary_raster`. `list` must live until the graph is recorded.
   /// What an alpha mask cuts holes into is drawn behind the rest, by a pipeline of its own that asks the mask.
-  void add(const ViewPass& pass, const DrawList& list, const SceneResources& scene, const glm::vec2& jitter,
-           effects::EffectSet effects) const;
-  /// Triangles that `list` makes the rasteriser draw.
-  static uint64_t triangles(const DrawList& list, const SceneResources& scene);
+  void add(const ViewPass& pass, const RasterPass& raster, const glm::vec2& jitter) const;
 
  private:
-  gpu::Device& device_;
-  std::array<gpu::RasterPipeline, 2> pipelines_;  // without and with alpha masks
+  std::array<gpu::RasterPipeline, 2> pipelines_;
 };
 
 }  // namespace helio::render

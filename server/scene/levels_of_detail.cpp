@@ -1,0 +1,230 @@
+#include "scene/levels_of_detail.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <meshoptimizer.h>
+
+#include "scene/triangle_order.h"
+
+namespace helio::scene {
+namespace {
+
+constexpr double kReduction = 0.35;    // of triangles, a level
+constexpr float kFarthestOff = 0.25f;  // of the mesh's extent: what is coarser than that is no longer this mesh
+constexpr size_t kMostCombinations = 1'000;
+constexpr float kCreaseCost = 4.0f;  // of a normal that is off, beside the stretch of a texture
+
+/// Vertices that count as one while triangles are joined: `representative[v]` is the first of those at v's place (and
+/// on the same joints), and `next[v]` the one behind v among them, or kNone.
+struct Welding {
+  std::vector<uint32_t> representative, next;
+};
+
+/// What must be equal of two vertices that are one.
+struct Place {
+  glm::vec3 position;
+  glm::u16vec4 joints{0};
+  glm::vec4 weights{0.0f};
+};
+
+Welding weld(const Mesh& mesh, Seams seams) {
+  const size_t count = mesh.positions.size();
+  Welding welding;
+  welding.representative.resize(count);
+  std::vector<unsigned int> remap(count);
+  std::vector<Place> places(count, Place{});
+  for (size_t v = 0; v < count; ++v) {
+    places[v].position = mesh.positions[v] + 0.0f;  // -0 becomes 0
+    if (!mesh.skin.empty()) {
+      places[v].joints = mesh.skin[v].joints;
+      places[v].weights = mesh.skin[v].weights;
+    }
+  }
+  // Corners that differ in nothing but their tangents are one at any rate.
+  std::vector<meshopt_Stream> streams{{places.data(), sizeof(Place), sizeof(Place)}};
+  if (seams == Seams::keep) {
+    streams.push_back({mesh.normals.data(), sizeof(glm::vec3), sizeof(glm::vec3)});
+    streams.push_back({mesh.uvs.data(), sizeof(glm::vec2), sizeof(glm::vec2)});
+    for (const std::vector<glm::vec2>& uvs : mesh.more_uvs)
+      streams.push_back({uvs.data(), sizeof(glm::vec2), sizeof(glm::vec2)});
+    if (!mesh.colors.empty()) streams.push_back({mesh.colors.data(), sizeof(glm::vec4), sizeof(glm::vec4)});
+    for (const MorphTarget& target : mesh.morph_targets)
+      streams.push_back({target.positions.data(), sizeof(glm::vec3), sizeof(glm::vec3)});
+  }
+  meshopt_generateVertexRemapMulti<uint32_t>(remap.data(), mesh.indices.data(), mesh.indices.size(), count,
+                                             streams.data(), streams.size());
+  welding.next.assign(count, kNone);
+  std::vector<uint32_t> first_of(count, kNone), last_of(count, kNone);
+  for (uint32_t v = 0; v < count; ++v) {
+    if (remap[v] == kNone) continue;  // no triangle uses it
+    uint32_t &first = first_of[remap[v]], &last = last_of[remap[v]];
+    (first == kNone ? first : welding.next[last]) = v;
+    last = v;
+    welding.representative[v] = first;
+  }
+  return welding;
+}
+
+/// Triangles and how far off they are, metres.
+struct Simplified {
+  std::vector<uint32_t> indices;
+  float error = 0.0f;
+};
+
+class Simplifier {
+ public:
+  Simplifier(const Mesh& mesh, Seams seams)
+      : mesh_(mesh),
+        welding_(weld(mesh, seams)),
+        used_(mesh.positions.size()),
+        numbered_(mesh.positions.size()),
+        number_(mesh.positions.size()) {}
+
+  /// A submesh with about `target` triangles; as it is when nothing coarser comes near it.
+  Simplified simplify(const Submesh& submesh, size_t target) {
+    Simplified result;
+    const auto begin = mesh_.indices.begin() + submesh.first_index;
+    result.indices.assign(begin, begin + submesh.index_count);
+    // Its places, numbered by themselves: clustering looks at every place that it is given.
+    std::vector<uint32_t> welded, places;
+    std::vector<glm::vec3> positions;
+    ++turn_;
+    const auto placeOf = [&](uint32_t vertex) {
+      used_[vertex] = turn_;
+      const uint32_t place = welding_.representative[vertex];
+      if (numbered_[place] != turn_) {
+        numbered_[place] = turn_;
+        number_[place] = static_cast<uint32_t>(places.size());
+        places.push_back(place);
+        positions.push_back(mesh_.positions[place]);
+      }
+      return number_[place];
+    };
+    for (size_t t = 0; t + 2 < result.indices.size(); t += 3) {
+      const std::array<uint32_t, 3> corner{placeOf(result.indices[t]), placeOf(result.indices[t + 1]),
+                                           placeOf(result.indices[t + 2])};
+      if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0])
+        welded.insert(welded.end(), corner.begin(), corner.end());
+    }
+    if (welded.size() / 3 <= target) return result;
+
+    std::vector<uint32_t> coarse(welded.size());
+    float error = 0.0f;
+    const float* first = &positions[0].x;
+    size_t count = meshopt_simplify<uint32_t>(coarse.data(), welded.data(), welded.size(), first, positions.size(),
+                                              sizeof(glm::vec3), 3 * target, kFarthestOff, 0, &error);
+    if (count > 3 * target * 3 / 2) {
+      // Many small parts: no edge of theirs can go, so places that lie together become one.
+      std::vector<uint32_t> clustered(welded.size());
+      float cluster_error = 0.0f;
+      const size_t left =
+          meshopt_simplifySloppy<uint32_t>(clustered.data(), welded.data(), welded.size(), first, positions.size(),
+                                           sizeof(glm::vec3), 3 * target, kFarthestOff, &cluster_error);
+      if (left > 0 && left < count) {
+        coarse = std::move(clustered);
+        count = left;
+        error = cluster_error;
+      }
+    }
+    coarse.resize(count);
+    if (coarse.empty() || coarse.size() >= welded.size()) return result;
+    result.indices.clear();
+    for (size_t t = 0; t < coarse.size(); t += 3)
+      for (const uint32_t vertex : chooseCorners({places[coarse[t]], places[coarse[t + 1]], places[coarse[t + 2]]}))
+        result.indices.push_back(vertex);
+    result.error = error * meshopt_simplifyScale(first, positions.size(), sizeof(glm::vec3));
+    return result;
+  }
+
+ private:
+  /// The corners of a joined triangle, one of the submesh's vertices at each of its three places: those whose normals
+  /// fit it, and whose texture coordinates lie together.
+  std::array<uint32_t, 3> chooseCorners(const std::array<uint32_t, 3>& places) const {
+    const glm::vec3 &a = mesh_.positions[places[0]], &b = mesh_.positions[places[1]], &c = mesh_.positions[places[2]];
+    const glm::vec3 scaled = glm::cross(b - a, c - a);
+    const float size = glm::length(scaled);
+    const glm::vec3 facing = size > 0.0f ? scaled / size : glm::vec3(0.0f);
+    std::array<std::vector<uint32_t>, 3> wedges;
+    for (size_t k = 0; k < 3; ++k)
+      for (uint32_t v = places[k]; v != kNone; v = welding_.next[v])
+        if (used_[v] == turn_) wedges[k].push_back(v);
+    std::array<uint32_t, 3> best{wedges[0].front(), wedges[1].front(), wedges[2].front()};
+    // Fans of very many triangles do not let each corner see each other one.
+    if (wedges[0].size() * wedges[1].size() * wedges[2].size() > kMostCombinations) return best;
+    float least = std::numeric_limits<float>::infinity();
+    for (const uint32_t i : wedges[0]) {
+      for (const uint32_t j : wedges[1]) {
+        for (const uint32_t k : wedges[2]) {
+          const float crease = 3.0f - glm::dot(facing, mesh_.normals[i] + mesh_.normals[j] + mesh_.normals[k]);
+          const float stretch = glm::distance(mesh_.uvs[i], mesh_.uvs[j]) + glm::distance(mesh_.uvs[j], mesh_.uvs[k]) +
+                                glm::distance(mesh_.uvs[k], mesh_.uvs[i]);
+          const float cost = kCreaseCost * crease + stretch;
+          if (cost < least) {
+            least = cost;
+            best = {i, j, k};
+          }
+        }
+      }
+    }
+    return best;
+  }
+
+  const Mesh& mesh_;
+  Welding welding_;
+  std::vector<uint32_t> used_;               // by vertex: the turn in which a submesh used it
+  std::vector<uint32_t> numbered_, number_;  // by place: the turn in which it had a number, and the number
+  uint32_t turn_ = 0;
+};
+
+}  // namespace
+
+void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams) {
+  mesh.levels.clear();
+  const size_t triangles = mesh.indices.size() / 3;
+  if (triangles < kFewestTrianglesForLevels) return;
+  Simplifier simplifier(mesh, seams);
+  size_t before = triangles;
+  float error_before = 0.0f;
+  double share = 1.0;
+  for (size_t i = 0; i < kMostCoarserLevels; ++i) {
+    share *= kReduction;
+    MeshLevel level;
+    level.error = error_before;
+    for (const Submesh& submesh : mesh.submeshes) {
+      const Material& material = materials[submesh.material];
+      const bool as_it_is = material.masked() || material.emission != glm::vec3(0.0f) || material.unlit;
+      const auto target = static_cast<size_t>(std::ceil(share * submesh.index_count / 3.0));
+      const Simplified coarse = simplifier.simplify(submesh, as_it_is ? submesh.index_count / 3 : target);
+      level.submeshes.push_back(submesh);
+      level.submeshes.back().first_index = static_cast<uint32_t>(level.indices.size());
+      level.submeshes.back().index_count = static_cast<uint32_t>(coarse.indices.size());
+      level.indices.insert(level.indices.end(), coarse.indices.begin(), coarse.indices.end());
+      level.error = std::max(level.error, coarse.error);
+      if (!as_it_is) orderTriangles(mesh.positions, level.indices, level.submeshes.back());
+    }
+    if (static_cast<double>(level.indices.size() / 3) > kLevelShare * static_cast<double>(before)) continue;
+    before = level.indices.size() / 3;
+    error_before = level.error;
+    mesh.levels.push_back(std::move(level));
+  }
+}
+
+std::vector<uint32_t> coarsestFirst(const Mesh& mesh) {
+  std::vector<uint32_t> order;
+  if (mesh.levels.empty()) return order;
+  std::vector<bool> taken(mesh.positions.size());
+  const auto take = [&](uint32_t vertex) {
+    if (taken[vertex]) return;
+    taken[vertex] = true;
+    order.push_back(vertex);
+  };
+  for (auto level = mesh.levels.rbegin(); level != mesh.levels.rend(); ++level)
+    std::for_each(level->indices.begin(), level->indices.end(), take);
+  for (uint32_t vertex = 0; vertex < mesh.positions.size(); ++vertex) take(vertex);
+  return order;
+}
+
+}  // namespace helio::scene
