@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -14,13 +15,16 @@ namespace {
 
 constexpr double kReduction = 0.35;    // of triangles, a level
 constexpr float kFarthestOff = 0.25f;  // of the mesh's extent: what is coarser than that is no longer this mesh
+constexpr float kMeeting = 1e-5f;      // of the mesh's extent: vertices nearer than about that are at one place
 constexpr size_t kMostCombinations = 1'000;
 constexpr float kCreaseCost = 4.0f;  // of a normal that is off, beside the stretch of a texture
 
 /// Vertices that count as one while triangles are joined: `representative[v]` is the first of those at v's place (and
-/// on the same joints), and `next[v]` the one behind v among them, or kNone.
+/// on the same joints), and `next[v]` the one behind v among them, or kNone. `positions` are equal where they all but
+/// are: the two sides of a seam must meet to the last bit, or the surface would be torn open along it.
 struct Welding {
   std::vector<uint32_t> representative, next;
+  std::vector<glm::vec3> positions;
 };
 
 /// What must be equal of two vertices that are one.
@@ -30,14 +34,48 @@ struct Place {
   glm::vec4 weights{0.0f};
 };
 
+/// Positions of which those that all but coincide are equal: in a lattice's cell they are its first vertex's.
+std::vector<glm::vec3> meetingPositions(const Mesh& mesh) {
+  const size_t count = mesh.positions.size();
+  Aabb box;
+  for (const glm::vec3& p : mesh.positions) box.grow(p);
+  const float step = std::max(kMeeting * glm::length(box.extent()), 1e-30f);
+  std::vector<glm::vec3> cells(count);
+  for (size_t v = 0; v < count; ++v) cells[v] = glm::round((mesh.positions[v] - box.min) / step);
+  std::vector<unsigned int> remap(count);
+  meshopt_generateVertexRemap<uint32_t>(remap.data(), mesh.indices.data(), mesh.indices.size(), cells.data(), count,
+                                        sizeof(glm::vec3));
+  std::vector<uint32_t> first_of(count, kNone);
+  std::vector<glm::vec3> positions = mesh.positions;
+  for (uint32_t v = 0; v < count; ++v) {
+    if (remap[v] == kNone) continue;  // no triangle uses it
+    if (first_of[remap[v]] == kNone) first_of[remap[v]] = v;
+    positions[v] = mesh.positions[first_of[remap[v]]];
+  }
+  return positions;
+}
+
+/// A number for what the morph targets do to each vertex: equal where they do the same [FNV-1a].
+std::vector<uint64_t> morphDigests(const Mesh& mesh) {
+  std::vector<uint64_t> digests(mesh.positions.size(), 0xcbf29ce484222325u);
+  for (const MorphTarget& target : mesh.morph_targets) {
+    for (size_t v = 0; v < digests.size(); ++v) {
+      for (int axis = 0; axis < 3; ++axis)
+        digests[v] = (digests[v] ^ std::bit_cast<uint32_t>(target.positions[v][axis] + 0.0f)) * 0x100000001b3u;
+    }
+  }
+  return digests;
+}
+
 Welding weld(const Mesh& mesh, Seams seams) {
   const size_t count = mesh.positions.size();
   Welding welding;
+  welding.positions = meetingPositions(mesh);
   welding.representative.resize(count);
   std::vector<unsigned int> remap(count);
   std::vector<Place> places(count, Place{});
   for (size_t v = 0; v < count; ++v) {
-    places[v].position = mesh.positions[v] + 0.0f;  // -0 becomes 0
+    places[v].position = welding.positions[v] + 0.0f;  // -0 becomes 0
     if (!mesh.skin.empty()) {
       places[v].joints = mesh.skin[v].joints;
       places[v].weights = mesh.skin[v].weights;
@@ -45,14 +83,14 @@ Welding weld(const Mesh& mesh, Seams seams) {
   }
   // Corners that differ in nothing but their tangents are one at any rate.
   std::vector<meshopt_Stream> streams{{places.data(), sizeof(Place), sizeof(Place)}};
+  const std::vector<uint64_t> morphs = morphDigests(mesh);
+  if (!mesh.morph_targets.empty()) streams.push_back({morphs.data(), sizeof(uint64_t), sizeof(uint64_t)});
   if (seams == Seams::keep) {
     streams.push_back({mesh.normals.data(), sizeof(glm::vec3), sizeof(glm::vec3)});
     streams.push_back({mesh.uvs.data(), sizeof(glm::vec2), sizeof(glm::vec2)});
     for (const std::vector<glm::vec2>& uvs : mesh.more_uvs)
       streams.push_back({uvs.data(), sizeof(glm::vec2), sizeof(glm::vec2)});
     if (!mesh.colors.empty()) streams.push_back({mesh.colors.data(), sizeof(glm::vec4), sizeof(glm::vec4)});
-    for (const MorphTarget& target : mesh.morph_targets)
-      streams.push_back({target.positions.data(), sizeof(glm::vec3), sizeof(glm::vec3)});
   }
   meshopt_generateVertexRemapMulti<uint32_t>(remap.data(), mesh.indices.data(), mesh.indices.size(), count,
                                              streams.data(), streams.size());
@@ -99,7 +137,7 @@ class Simplifier {
         numbered_[place] = turn_;
         number_[place] = static_cast<uint32_t>(places.size());
         places.push_back(place);
-        positions.push_back(mesh_.positions[place]);
+        positions.push_back(welding_.positions[place]);
       }
       return number_[place];
     };

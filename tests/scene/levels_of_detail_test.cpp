@@ -15,6 +15,7 @@ namespace {
 Mesh ball(uint32_t rings, bool soup) {
   Mesh mesh;
   const auto at = [rings](uint32_t ring, uint32_t side) {
+    if (ring == 0 || ring == rings) return glm::vec3(0.0f, ring == 0 ? 1.0f : -1.0f, 0.0f);
     const float polar = 3.14159265f * static_cast<float>(ring) / static_cast<float>(rings);
     const float around = 6.2831853f * static_cast<float>(side % (2 * rings)) / static_cast<float>(2 * rings);
     return glm::vec3(std::sin(polar) * std::cos(around), std::cos(polar), std::sin(polar) * std::sin(around));
