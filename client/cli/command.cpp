@@ -1,10 +1,12 @@
 #include "cli/command.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <numbers>
 
+#include "render/light_switches.h"
 #include "render/material_override.h"
 
 namespace helio::cli {
@@ -37,6 +39,31 @@ void addMaterials(CLI::App& command, std::string& materials) {
 
 v1::MaterialOverride parseMaterials(const std::string& text) {
   return static_cast<v1::MaterialOverride>(*render::materialOverride(text));
+}
+
+void addLightTransport(CLI::App& command, v1::LightTransport& light) {
+  for (const render::LightSwitch& each : render::kLightSwitches) {
+    std::string flag = each.name;
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    const auto* field = v1::LightTransport::descriptor()->FindFieldByName(each.name);
+    const bool usual = render::ViewSettings{}.*each.field;
+    command
+        .add_flag_function(
+            "--" + flag + ",!--no-" + flag,
+            [&light, field](int64_t count) { light.GetReflection()->SetBool(&light, field, count > 0); },
+            each.description + std::string(usual ? " (unless --no-" + flag + ")" : ""))
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  }
+  command
+      .add_option_function<float>(
+          "--regularisation", [&light](float roughness) { light.set_regularisation(roughness); },
+          "least roughness behind a rough scattering, 0 to 1: less noise, some bias; hybrid mode only")
+      ->check(CLI::Range(0.0f, 1.0f));
+  command
+      .add_option_function<uint32_t>(
+          "--lamp-samples", [&light](uint32_t lamps) { light.set_lamp_samples(lamps); },
+          "lamps that the first vertex of a path samples, 0 to 64; 0: each once")
+      ->check(CLI::Range(0u, 64u));
 }
 
 void print(const Json& document) { std::cout << document.dump(2) << "\n"; }

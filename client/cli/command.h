@@ -51,6 +51,10 @@ v1::RenderMode parseMode(const std::string& text);
 void addMaterials(CLI::App& command, std::string& materials);
 v1::MaterialOverride parseMaterials(const std::string& text);
 
+/// Adds the switches of light transport to a command: --mis, --no-mis, ..., --regularisation. What is not given stays
+/// unset.
+void addLightTransport(CLI::App& command, v1::LightTransport& light);
+
 /// Prints a document with its schema.
 void print(const Json& document);
 

@@ -5,6 +5,7 @@
 
 #include "cli/progress.h"
 #include "cli/shot.h"
+#include "render/light_switches.h"
 #include "render/renderer.h"
 #include "scene/city.h"
 #include "scene/gltf.h"
@@ -94,6 +95,13 @@ ShotResult shootLocally(ShotOptions options) {
   settings.primary = options.primary == "traced" ? render::Primary::traced : render::Primary::raster;
   settings.bounces = options.bounces;
   settings.materials = *render::materialOverride(options.materials);
+  for (const render::LightSwitch& each : render::kLightSwitches) {
+    const auto* field = v1::LightTransport::descriptor()->FindFieldByName(each.name);
+    if (options.light.GetReflection()->HasField(options.light, field))
+      settings.*each.field = options.light.GetReflection()->GetBool(options.light, field);
+  }
+  settings.regularisation = options.light.regularisation();
+  if (options.light.has_lamp_samples()) settings.lamp_samples = options.light.lamp_samples();
   settings.samples = std::min(samples, kSamplesPerTick);
   settings.auto_exposure = !options.fixed_exposure;
   settings.exposure_ev = options.exposure_ev;

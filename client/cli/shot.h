@@ -21,6 +21,7 @@ struct ShotOptions {
   float exposure_ev = 0;
   bool fixed_exposure = false;
   int quality = 90;
+  v1::LightTransport light;
   // --local only
   bool local = false, validation = false;
   uint32_t city = 0, animated = 0;

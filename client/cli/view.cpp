@@ -18,6 +18,7 @@ struct ViewOptions {
   bool tour = false;
   uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80, max_kbps = 0, reattach = 30;
   double seconds = 0;
+  v1::LightTransport light;
 };
 
 v1::Settings settingsOf(const ViewOptions& options) {
@@ -30,6 +31,7 @@ v1::Settings settingsOf(const ViewOptions& options) {
   settings.set_bounces(options.bounces);
   settings.set_samples(options.samples);
   settings.set_materials(parseMaterials(options.materials));
+  *settings.mutable_light_transport() = options.light;
   settings.mutable_stream()->set_max_fps(options.max_fps);
   settings.mutable_stream()->set_jpeg_quality(options.quality);
   settings.mutable_stream()->set_max_kbps(options.max_kbps);
@@ -194,6 +196,7 @@ client/cli/README.md documents tours and telemetry.json.)");
   command->add_option("--bounces", options->bounces, "0 to 32")->capture_default_str();
   command->add_option("--spp", options->samples, "paths a pixel a frame, 1 to 64")->capture_default_str();
   addMaterials(*command, options->materials);
+  addLightTransport(*command, options->light);
   command->add_option("--max-fps", options->max_fps, "frames a second")->capture_default_str();
   command->add_option("--quality", options->quality, "of the JPEGs, 1 to 100")->capture_default_str();
   command->add_option("--max-kbps", options->max_kbps, "thousands of bits a second; 0: what the connection carries")

@@ -5,6 +5,7 @@
 
 #include "cli/command.h"
 #include "cli/progress.h"
+#include "store/wal_repair.h"
 
 namespace helio::cli {
 namespace {
@@ -93,10 +94,49 @@ void create(const Common& common, const CreateOptions& options) {
   show(common, world);
 }
 
+struct RepairOptions {
+  std::string name, log_folder;
+  uint64_t accept_loss = 0;
+};
+
+/// A write-ahead log that keeps the whole server from starting.
+void repairFolder(const Common& common, const RepairOptions& options) {
+  const auto repaired = get(store::repairWal(options.log_folder, options.accept_loss));
+  if (common.json)
+    return print({{"schema", "heliograph.wal_repair/1"},
+                  {"lost_transactions", repaired.lost_transactions},
+                  {"kept", repaired.kept.string()}});
+  if (repaired.kept.empty()) {
+    std::printf("%s: the write-ahead log is not damaged; nothing was changed\n", options.log_folder.c_str());
+    return;
+  }
+  std::printf("%s: %llu transactions at most were lost; the files as they were are in %s\n", options.log_folder.c_str(),
+              static_cast<unsigned long long>(repaired.lost_transactions), repaired.kept.c_str());
+}
+
+void repair(const Common& common, const RepairOptions& options) {
+  if (options.name.empty() == options.log_folder.empty())
+    throw Stop{"give either a world of a running server, or --log-dir FOLDER of one that does not start"};
+  if (!options.log_folder.empty()) return repairFolder(common, options);
+  client::Connection connection(common.server);
+  const auto repaired = get(connection.repairWorld(options.name, options.accept_loss));
+  Spinner spinner("loading " + options.name);
+  const auto world = get(connection.readyWorld(options.name, [&] { spinner.turn(); }));
+  if (common.json)
+    return print({{"schema", "heliograph.repair/1"},
+                  {"world", describe(world)},
+                  {"seq", repaired.seq()},
+                  {"lost_edits", repaired.lost_edits()},
+                  {"forgotten_requests", repaired.forgotten_requests()}});
+  std::printf("%s: repaired up to seq %llu; %llu edits lost, %llu requests forgotten\n", options.name.c_str(),
+              static_cast<unsigned long long>(repaired.seq()), static_cast<unsigned long long>(repaired.lost_edits()),
+              static_cast<unsigned long long>(repaired.forgotten_requests()));
+}
+
 }  // namespace
 
 void addWorlds(CLI::App& app, Common& common) {
-  auto* worlds = app.add_subcommand("worlds", "List, create, show and delete worlds.");
+  auto* worlds = app.add_subcommand("worlds", "List, create, show, repair and delete worlds.");
   worlds->require_subcommand(1);
   worlds->footer(R"(Examples:
   helio worlds list
@@ -137,6 +177,21 @@ void addWorlds(CLI::App& app, Common& common) {
     client::Connection connection(common.server);
     show(common, get(connection.world(*name)));
   });
+
+  auto repair_options = std::make_shared<RepairOptions>();
+  auto* mend = worlds->add_subcommand("repair", "Give up what cannot be read of a damaged world, and load the rest.");
+  addCommon(*mend, common);
+  mend->footer(R"(Examples:
+  helio worlds repair city --accept-loss 0        (refused, with the number of edits that it takes)
+  helio worlds repair city --accept-loss 12
+  helio worlds repair --log-dir /var/lib/heliograph/worlds --accept-loss 3
+A world that is DATA_LOSS is repaired on its running server: it keeps every edit up to the first that cannot be read.
+With --log-dir the write-ahead log of a stopped server is cut, and N counts transactions: each holds the edits of up to
+10 ms. The files as they were stay beside it.)");
+  mend->add_option("name", repair_options->name, "a world that failed");
+  mend->add_option("--log-dir", repair_options->log_folder, "the log of a server that does not start");
+  mend->add_option("--accept-loss", repair_options->accept_loss, "edits that may be lost; more are not")->required();
+  mend->callback([&common, repair_options] { repair(common, *repair_options); });
 
   auto* remove = worlds->add_subcommand("delete", "Forget a world and its edits; its viewers are told.");
   addCommon(*remove, common, false);

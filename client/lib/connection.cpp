@@ -115,21 +115,36 @@ Error errorOf(const grpc::Status& status, const grpc::ClientContext& context) {
           detail.value(), detail.limit()};
 }
 
-Connection::Connection(std::string address) : Connection(address, CredentialStore().find(address)) {}
-
-Connection::Connection(std::string address, const Result<std::optional<Credentials>>& stored)
-    : Connection(std::move(address), stored ? *stored : std::nullopt) {
-  if (!stored) unusable_ = stored.error();
-}
+Connection::Connection(std::string address) : Connection(address, CredentialStore().find(address), {}) {}
 
 Connection::Connection(std::string address, const std::optional<Credentials>& credentials)
-    : address_(std::move(address)), encrypted_(credentials.has_value()) {
+    : address_(std::move(address)) {
+  connect(address_, credentials, {});
+}
+
+Connection::Connection(std::string address, const Result<std::optional<Credentials>>& stored, const std::string& relay)
+    : address_(std::move(address)) {
+  if (!stored) unusable_ = stored.error();
   grpc::ChannelArguments arguments;
+  if (!relay.empty()) {
+    const std::string host = address_.substr(0, address_.rfind(':'));
+    arguments.SetSslTargetNameOverride(host.front() == '[' ? host.substr(1, host.size() - 2) : host);
+  }
+  connect(relay.empty() ? address_ : relay, stored ? *stored : std::nullopt, std::move(arguments));
+}
+
+std::unique_ptr<Connection> Connection::through(const std::string& relay, const std::string& server) {
+  return std::unique_ptr<Connection>(new Connection(server, CredentialStore().find(server), relay));
+}
+
+void Connection::connect(const std::string& to, const std::optional<Credentials>& credentials,
+                         grpc::ChannelArguments arguments) {
+  encrypted_ = credentials.has_value();
   arguments.SetMaxReceiveMessageSize(kMaxAnswerBytes);
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);  // a TCP connection of its own
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 5000);  // an attempt's time limit, for far and busy servers
-  const auto channel = makeChannel(address_, credentials, arguments);
+  const auto channel = makeChannel(to, credentials, arguments);
   worlds_ = v1::WorldService::NewStub(channel);
   viewers_ = v1::ViewerService::NewStub(channel);
   renders_ = v1::RenderService::NewStub(channel);
@@ -224,6 +239,13 @@ Result<void> Connection::deleteWorld(const std::string& name) {
   auto deleted = call(bind(*worlds_, &v1::WorldService::Stub::DeleteWorld), name, request, false);
   if (!deleted) return deleted.error();
   return {};
+}
+
+Result<v1::RepairWorldResponse> Connection::repairWorld(const std::string& name, uint64_t accept_loss) {
+  v1::RepairWorldRequest request;
+  request.set_world(name);
+  request.set_accept_loss(accept_loss);
+  return call(bind(*worlds_, &v1::WorldService::Stub::RepairWorld), name, request, false);
 }
 
 Result<v1::ApplyEditsResponse> Connection::apply(v1::ApplyEditsRequest request) {

@@ -36,6 +36,9 @@ class Connection {
   /// first call does.
   explicit Connection(std::string address);
   Connection(std::string address, const std::optional<Credentials>& credentials);
+  /// To `server` by way of `relay` (host:port), which carries bytes and understands none: with what is kept for the
+  /// server, whose certificate must have the server's name.
+  static std::unique_ptr<Connection> through(const std::string& relay, const std::string& server);
 
   const std::string& address() const { return address_; }
 
@@ -47,7 +50,8 @@ class Connection {
   /// Waits until the world is READY; FAILED is an error (unsupported). `progress` is called while it waits.
   Result<v1::World> readyWorld(const std::string& name, const std::function<void()>& progress = {});
   Result<std::vector<v1::World>> worlds();
-  Result<void> deleteWorld(const std::string& name);  ///< not repeated
+  Result<void> deleteWorld(const std::string& name);                                           ///< not repeated
+  Result<v1::RepairWorldResponse> repairWorld(const std::string& name, uint64_t accept_loss);  ///< not repeated
   /// Fills in a request id where there is none.
   Result<v1::ApplyEditsResponse> apply(v1::ApplyEditsRequest request);
   Result<std::vector<v1::Prefab>> prefabs(const std::string& world);
@@ -79,7 +83,8 @@ class Connection {
   using Method = std::function<grpc::Status(grpc::ClientContext*, const Request&, Response*)>;
 
  private:
-  Connection(std::string address, const Result<std::optional<Credentials>>& stored);
+  Connection(std::string address, const Result<std::optional<Credentials>>& stored, const std::string& relay);
+  void connect(const std::string& to, const std::optional<Credentials>& credentials, grpc::ChannelArguments arguments);
   template <typename Request, typename Response>
   Result<Response> call(const Method<Request, Response>& method, const std::string& world, const Request& request,
                         bool repeat);

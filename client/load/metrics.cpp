@@ -39,10 +39,4 @@ std::optional<double> statistic(const std::vector<double>& sorted, const std::st
   return sorted[static_cast<size_t>(std::max(rank, 1.0)) - 1];
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
 }  // namespace helio::load

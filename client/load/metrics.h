@@ -66,6 +66,5 @@ bool isMetric(const std::string& name);
 
 /// Percentiles are nearest rank: always a value that was measured. None: nothing was measured.
 std::optional<double> statistic(const std::vector<double>& sorted, const std::string& name);
-double median(std::vector<double> values);  ///< of at least one
 
 }  // namespace helio::load

@@ -154,7 +154,9 @@ bool Script::one(const Step& step) {
 // ---- Connections
 
 client::Connection& Script::connection() {
-  if (!connection_) connection_ = std::make_unique<client::Connection>(relay_ ? relay_->address() : part_.server);
+  if (!connection_)
+    connection_ = relay_ ? client::Connection::through(relay_->address(), part_.server)
+                         : std::make_unique<client::Connection>(part_.server);
   return *connection_;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/median.h"
+
 namespace helio::load {
 namespace {
 
@@ -23,6 +25,12 @@ std::vector<double> valuesOf(const Scenario& scenario, const std::vector<RunResu
     out.push_back(*value);
   }
   return out;
+}
+
+/// By nearest rank: of three values or fewer it is the whole range, of more it forgives the odd run out.
+double interquartileRange(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return *statistic(values, "p75") - *statistic(values, "p25");
 }
 
 std::string text(const char* format, double a, double b) {
@@ -45,14 +53,13 @@ std::vector<Judged> judge(const Scenario& scenario, const std::vector<RunResult>
       judged.value = objective.at_most ? *most : *least;
       if (values.size() > 1) judged.note = "the worst of " + std::to_string(values.size()) + " runs";
     } else if (const auto others = valuesOf(scenario, runs, objective, objective.against); !others.empty()) {
-      const auto [least, most] = std::minmax_element(others.begin(), others.end());
       const double usual = median(others), here = median(values);
       const double scale = objective.difference ? 1 : 100 / usual;
-      const double spread = (*most - *least) * scale;
+      const double spread = interquartileRange(others) * scale;
       judged.value = (here - usual) * scale;
       judged.limit += objective.at_most ? spread : -spread;
       judged.note = text("median %.3f against %.3f", here, usual) +
-                    text(", the limit is %.3g and the spread between runs, %.3g", objective.limit, spread);
+                    text(", the limit is %.3g and the interquartile range of runs, %.3g", objective.limit, spread);
       if (!std::isfinite(*judged.value)) judged.value.reset();
     }
     if (judged.value) judged.met = judged.at_most ? *judged.value <= judged.limit : *judged.value >= judged.limit;

@@ -78,10 +78,7 @@ Outcome<Caller> AccessControl::identify(const grpc::ServerContextBase& context) 
 }
 
 Outcome<Caller> AccessControl::admit(const grpc::ServerContextBase& context, const std::string& method) const {
-  if (context.deadline() <= std::chrono::system_clock::now())
-    return Failure{
-        v1::ERROR_REASON_TOO_LATE,
-        {ErrorKind::unavailable, "the call's deadline was over before it was begun; nothing was done", {}, {}, {}}};
+  if (context.deadline() <= std::chrono::system_clock::now()) return tooLate();
   const auto need = needOf(method);
   if (!need)
     return forbidden("method " + method + " does not say which scope it needs, so nobody may call it", method, "none");

@@ -9,6 +9,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <glm/gtc/quaternion.hpp>
 
+#include "render/light_switches.h"
 #include "scene/city.h"
 
 namespace helio::service {
@@ -33,6 +34,10 @@ Outcome<void> within(const std::string& field, uint32_t value, uint32_t low, uin
 Failure inside(const std::string& message, Error error) {
   error.field = message + error.field.substr(std::min(error.field.find('.'), error.field.size()));
   return error;
+}
+
+const google::protobuf::FieldDescriptor* fieldOf(const render::LightSwitch& light_switch) {
+  return v1::LightTransport::descriptor()->FindFieldByName(light_switch.name);
 }
 
 /// What settings and shots have in common.
@@ -84,6 +89,12 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
     return outOfRange(name + ".materials", text(int(message.materials())), "MaterialOverride");
   view.materials = static_cast<render::MaterialOverride>(message.materials());
   if (message.has_bounces()) view.bounces = message.bounces();
+  const v1::LightTransport& light = message.light_transport();
+  for (const render::LightSwitch& each : render::kLightSwitches)
+    if (const auto* field = fieldOf(each); light.GetReflection()->HasField(light, field))
+      view.*each.field = light.GetReflection()->GetBool(light, field);
+  view.regularisation = light.regularisation();
+  if (light.has_lamp_samples()) view.lamp_samples = light.lamp_samples();
   return view;
 }
 
@@ -218,6 +229,11 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_max_kbps(settings.max_kbps);
   out.set_paused(settings.paused);
   out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
+  v1::LightTransport& light = *out.mutable_light_transport();
+  for (const render::LightSwitch& each : render::kLightSwitches)
+    light.GetReflection()->SetBool(&light, fieldOf(each), view.*each.field);
+  light.set_regularisation(view.regularisation);
+  light.set_lamp_samples(view.lamp_samples);
   return out;
 }
 

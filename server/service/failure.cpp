@@ -131,6 +131,11 @@ Failure fellSilent(uint32_t seconds) {
            std::to_string(seconds) + " s"}};
 }
 
+Failure tooLate() {
+  return {v1::ERROR_REASON_TOO_LATE,
+          {ErrorKind::unavailable, "the call's deadline was over before it was begun; nothing was done", {}, {}, {}}};
+}
+
 Failure outOfRange(std::string field, std::string value, std::string limit) {
   std::string message = field + " is " + value + "; it must be in " + limit;
   return Error{ErrorKind::invalid, std::move(message), std::move(field), std::move(value), std::move(limit)};

@@ -39,6 +39,8 @@ Failure draining();
 Failure superseded();
 Failure moved(const std::string& world);
 Failure fellSilent(uint32_t seconds);
+/// A call's deadline was over before its work was begun.
+Failure tooLate();
 /// A single field out of range.
 Failure outOfRange(std::string field, std::string value, std::string limit);
 /// A limit of the whole server or world.

@@ -67,12 +67,14 @@ Outcome<world::World*> HostedWorld::content() {
         kLoadingRetryMs};
   if (state_ == State::failed) {
     const bool damaged = error_.kind == ErrorKind::damaged;
-    return Failure{damaged ? v1::ERROR_REASON_DATA_LOSS : v1::ERROR_REASON_WORLD_FAILED,
-                   {damaged ? ErrorKind::damaged : ErrorKind::unsupported,
-                    "world \"" + name_ + "\" could not be loaded: " + error_.message,
-                    "world",
-                    name_,
-                    {}}};
+    return Failure{
+        damaged ? v1::ERROR_REASON_DATA_LOSS : v1::ERROR_REASON_WORLD_FAILED,
+        {damaged ? ErrorKind::damaged : ErrorKind::unsupported,
+         "world \"" + name_ + "\" could not be loaded: " + error_.message +
+             (damaged ? "; or give up what cannot be read: helio worlds repair " + name_ + " --accept-loss N" : ""),
+         "world",
+         name_,
+         {}}};
   }
   return content_.get();
 }

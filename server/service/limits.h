@@ -12,11 +12,10 @@ struct Limits {
   uint32_t max_viewers = 64;  ///< viewers and running shots over all worlds: each has render targets on the GPU
   world::Limits world;        ///< instances and edits: the TLAS and the log must hold them
   uint32_t max_request_bytes =
-      8 << 20;  ///< 100,000 placements are 3.2 MB; a request is held in memory while it is checked
-  uint32_t max_answer_bytes = 4 << 20;  ///< gRPC's own default at clients: nothing larger is sent in one message
-  uint32_t min_size = 16;               ///< pixels; below, tile-based passes have nothing to do
-  uint32_t max_size = 8192;             ///< pixels; the render targets of one 8192 x 8192 view take some 5 GB
-  uint32_t max_fps = 60;  ///< for one viewer; screens rarely show more, and every frame costs everybody's GPU
+      8 << 20;               ///< 100,000 placements are 3.2 MB; a request is held in memory while it is checked
+  uint32_t min_size = 16;    ///< pixels; below, tile-based passes have nothing to do
+  uint32_t max_size = 8192;  ///< pixels; the render targets of one 8192 x 8192 view take some 5 GB
+  uint32_t max_fps = 60;     ///< for one viewer; screens rarely show more, and every frame costs everybody's GPU
   uint32_t max_shot_samples = 65'536;  ///< a pixel; float running means stop gaining digits about there
   uint32_t max_edits_per_second =
       1'000'000;  ///< with placements, of one world: edits lengthen the ticks of all who look

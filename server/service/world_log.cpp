@@ -135,6 +135,7 @@ Result<uint64_t> WorldLog::catchUp(world::World& world) {
 
 Outcome<EditAnswer> WorldLog::apply(world::World& world, const EditRequest& request) {
   std::lock_guard lock(edit_mutex_);
+  if (request.deadline <= std::chrono::system_clock::now()) return tooLate();  // others' edits took so long
   if (unsettled_) {
     if (!catchUp(world)) return outcomeUnknown(request.request_id);
     unsettled_ = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <memory>
@@ -33,6 +34,8 @@ struct EditRequest {
   std::string request_id;
   std::optional<uint64_t> expected_seq;
   std::vector<world::Edit> edits;
+  /// Not begun after this: who asked has given up.
+  std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
 };
 
 /// Enters a new world into the log, so that it is there after a restart. Errors: the log's.
@@ -53,7 +56,7 @@ class WorldLog {
   Result<std::unique_ptr<world::World>> load(const scene::ScenePtr& scene, const WorldSource& source,
                                              const world::Limits& limits);
 
-  /// Resolves, logs, applies: all or none. Failures: those of resolve, expected_seq, fenced, outcome unknown.
+  /// Resolves, logs, applies: all or none. Failures: those of resolve, too late, expected_seq, fenced, outcome unknown.
   Outcome<EditAnswer> apply(world::World& world, const EditRequest& request);
 
   uint64_t epoch() const { return epoch_; }

@@ -140,6 +140,38 @@ Outcome<void> WorldRegistry::remove(const std::string& name) {
   return {};
 }
 
+Outcome<WorldRegistry::Repaired> WorldRegistry::repair(const std::string& name, uint64_t accept_loss) {
+  const auto damaged = find(name);
+  if (!damaged) return damaged.error();
+  const auto content = (*damaged)->content();
+  if (content || content.error().reason == v1::ERROR_REASON_WORLD_FAILED)
+    return Failure{v1::ERROR_REASON_UNSUPPORTED,
+                   {ErrorKind::unsupported,
+                    "the log of world \"" + name + "\" is not damaged; there is nothing to repair",
+                    "world",
+                    name,
+                    {}}};
+  if (content.error().reason != v1::ERROR_REASON_DATA_LOSS) return content.error();  // being loaded, deleted
+
+  const auto kept = environment_.log->repair(name, accept_loss);  // a disk's time: nobody else waits
+  if (!kept && kept.error().kind == ErrorKind::conflict) return Failure{v1::ERROR_REASON_UNSUPPORTED, kept.error()};
+  if (!kept) return Failure(kept.error());
+  spdlog::warn("world {}: repaired up to seq {}: {} edits lost, {} requests forgotten", name, kept->last_seq,
+               kept->lost, kept->forgotten_requests);
+
+  std::lock_guard lock(mutex_);
+  if (draining_) return draining();
+  const auto entry = worlds_.find(name);
+  if (entry == worlds_.end() || entry->second != *damaged) return unknownWorld(name);  // deleted meanwhile
+  entry->second->stop(
+      {v1::ERROR_REASON_WORLD_LOADING,
+       {ErrorKind::unavailable, "world \"" + name + "\" has just been repaired; try again", "world", name, {}},
+       kDeletingRetryMs});
+  entry->second->join();  // it failed: its thread only waits for this
+  entry->second = std::make_shared<HostedWorld>(name, (*damaged)->source(), environment_);
+  return Repaired{entry->second, *kept};
+}
+
 /// Forgets the worlds whose threads have ended, and their logs.
 void WorldRegistry::reap() {
   const auto ended = std::partition(dying_.begin(), dying_.end(), [](const WorldPtr& w) { return !w->stopped(); });

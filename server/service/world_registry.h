@@ -41,6 +41,14 @@ class WorldRegistry {
   /// Ends its viewers. The log has forgotten it when this returns. Failures: unknown world, the log's.
   Outcome<void> remove(const std::string& name);
 
+  struct Repaired {
+    WorldPtr world;  ///< being loaded
+    store::Repair kept;
+  };
+  /// Of a world that failed since its log is damaged: what can be read of it, again. Failures: unknown world, one that
+  /// is not damaged, more than `accept_loss` sequence numbers would go (nothing is changed then), the log's.
+  Outcome<Repaired> repair(const std::string& name, uint64_t accept_loss);
+
   /// The server counts as started only when this world has been loaded, as those that restore() finds.
   void await(const WorldPtr& world);
   /// All of those have been loaded, or cannot be.

@@ -82,8 +82,9 @@ grpc::ServerUnaryReactor* WorldService::GetServerInfo(grpc::CallbackServerContex
 
 Outcome<void> WorldService::describeServer(const Caller& caller, v1::ServerInfo& out) {
   out.set_version(version_);
-  out.set_api_minor(1);
-  for (const char* feature : {"city", "edits", "time", "shot", "pfm", "telemetry", "tokens", "resume", "resolve"})
+  out.set_api_minor(2);
+  for (const char* feature : {"city", "edits", "time", "shot", "pfm", "telemetry", "tokens", "resume", "resolve",
+                              "light_transport", "repair"})
     out.add_features(feature);
   if (!gltf_root_.empty()) out.add_features("gltf");
   out.set_device(device_.name);
@@ -157,13 +158,31 @@ grpc::ServerUnaryReactor* WorldService::DeleteWorld(grpc::CallbackServerContext*
                [&](const Caller&) { return worlds_.remove(request->world()); });
 }
 
+grpc::ServerUnaryReactor* WorldService::RepairWorld(grpc::CallbackServerContext* context,
+                                                    const v1::RepairWorldRequest* request,
+                                                    v1::RepairWorldResponse* out) {
+  return unary(access_, *context, "WorldService.RepairWorld", *request,
+               [&](const Caller&) { return repair(*request, *out); });
+}
+
+Outcome<void> WorldService::repair(const v1::RepairWorldRequest& request, v1::RepairWorldResponse& out) {
+  const auto repaired = worlds_.repair(request.world(), request.accept_loss());
+  if (!repaired) return repaired.error();
+  describe(*repaired->world, *out.mutable_world());
+  out.set_seq(repaired->kept.last_seq);
+  out.set_lost_edits(repaired->kept.lost);
+  out.set_forgotten_requests(repaired->kept.forgotten_requests);
+  return {};
+}
+
 grpc::ServerUnaryReactor* WorldService::ApplyEdits(grpc::CallbackServerContext* context,
                                                    const v1::ApplyEditsRequest* request, v1::ApplyEditsResponse* out) {
   return unary(access_, *context, "WorldService.ApplyEdits", *request,
-               [&](const Caller&) { return edit(*request, *out); });
+               [&](const Caller&) { return edit(*request, context->deadline(), *out); });
 }
 
-Outcome<void> WorldService::edit(const v1::ApplyEditsRequest& request, v1::ApplyEditsResponse& out) {
+Outcome<void> WorldService::edit(const v1::ApplyEditsRequest& request, std::chrono::system_clock::time_point deadline,
+                                 v1::ApplyEditsResponse& out) {
   const auto arrived = Clock::now();
   auto world = worlds_.find(request.world());
   if (!world) return world.error();
@@ -173,7 +192,7 @@ Outcome<void> WorldService::edit(const v1::ApplyEditsRequest& request, v1::Apply
                       "1 to " + std::to_string(limits_.max_name_length) + " bytes");
   auto edits = fromWire(request.edits(), limits_);
   if (!edits) return edits.error();
-  EditRequest edit{id, {}, std::move(*edits)};
+  EditRequest edit{id, {}, std::move(*edits), deadline};
   if (request.has_expected_seq()) edit.expected_seq = request.expected_seq();
   const auto applied = (*world)->apply(edit, arrived);
   if (!applied) return applied.error();

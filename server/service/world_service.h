@@ -3,6 +3,7 @@
 
 #include <heliograph/v1/world.grpc.pb.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -26,6 +27,8 @@ class WorldService final : public v1::WorldService::CallbackService {
                                        v1::ListWorldsResponse*) override;
   grpc::ServerUnaryReactor* DeleteWorld(grpc::CallbackServerContext*, const v1::DeleteWorldRequest*,
                                         v1::DeleteWorldResponse*) override;
+  grpc::ServerUnaryReactor* RepairWorld(grpc::CallbackServerContext*, const v1::RepairWorldRequest*,
+                                        v1::RepairWorldResponse*) override;
   grpc::ServerUnaryReactor* ApplyEdits(grpc::CallbackServerContext*, const v1::ApplyEditsRequest*,
                                        v1::ApplyEditsResponse*) override;
   grpc::ServerUnaryReactor* QueryInstances(grpc::CallbackServerContext*, const v1::QueryInstancesRequest*,
@@ -39,7 +42,9 @@ class WorldService final : public v1::WorldService::CallbackService {
   Outcome<void> describeServer(const Caller& caller, v1::ServerInfo& out);
   Outcome<void> create(const v1::CreateWorldRequest& request, v1::World& out);
   Outcome<void> list(const Caller& caller, const v1::ListWorldsRequest& request, v1::ListWorldsResponse& out);
-  Outcome<void> edit(const v1::ApplyEditsRequest& request, v1::ApplyEditsResponse& out);
+  Outcome<void> repair(const v1::RepairWorldRequest& request, v1::RepairWorldResponse& out);
+  Outcome<void> edit(const v1::ApplyEditsRequest& request, std::chrono::system_clock::time_point deadline,
+                     v1::ApplyEditsResponse& out);
   Outcome<void> query(const v1::QueryInstancesRequest& request, v1::QueryInstancesResponse& out);
   Outcome<void> prefabs(const v1::ListPrefabsRequest& request, v1::ListPrefabsResponse& out);
 

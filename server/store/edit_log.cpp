@@ -35,4 +35,13 @@ Error alreadyTruncated(const std::string& world, uint64_t after, uint64_t first_
           "after", fmt::format("{}", after), fmt::format("{}", first_kept - 1)};
 }
 
+Error losesTooMuch(const std::string& world, uint64_t lost, uint64_t most_lost) {
+  return {
+      ErrorKind::conflict,
+      fmt::format("world \"{}\" cannot be repaired without losing {} of its edits, and {} were accepted; put back a "
+                  "copy of the log that you trust, or accept the loss",
+                  world, lost, most_lost),
+      "accept_loss", fmt::format("{}", lost), fmt::format("{}", most_lost)};
+}
+
 }  // namespace helio::store

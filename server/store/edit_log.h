@@ -39,6 +39,13 @@ struct Snapshot {
   std::string bytes;
 };
 
+/// What repair() left, and gave up.
+struct Repair {
+  uint64_t last_seq = 0;            ///< of what is kept
+  uint64_t lost = 0;                ///< records behind it
+  uint64_t forgotten_requests = 0;  ///< receipts of kept records: a repeat of such a request is done again
+};
+
 /// One log, many worlds. Thread-safe. Worlds come into being by acquire(). Every backend passes the suite in
 /// tests/store/edit_log_conformance.h. Beside the errors that are named below, every call of a backend that keeps its
 /// worlds on a disk may fail with `damaged` (what is there is not what was written) or `unavailable` (the disk).
@@ -84,6 +91,12 @@ class EditLog {
   /// Names of all worlds, ascending.
   virtual Result<std::vector<std::string>> worlds() const = 0;
 
+  /// Makes a damaged world whole: keeps its records up to the first that cannot be read, with what they need. (When the
+  /// snapshot cannot be read, and the records before it were truncated, they need what is not there: nothing is kept
+  /// but the manifest.) Every epoch is fenced, unless nothing was damaged. Errors: no such world (not_found), more than
+  /// `most_lost` records would go, and `value` says how many (conflict), what says how the world is made is damaged
+  /// itself (damaged); then nothing is changed.
+  virtual Result<Repair> repair(const std::string& world, uint64_t most_lost) = 0;
   /// Forgets records, request ids, manifest and snapshot; every epoch is fenced. Errors: no such world (not_found).
   virtual Result<void> remove(const std::string& world) = 0;
 };
@@ -93,6 +106,7 @@ Error noSuchWorld(const std::string& world);
 Error fencedEpoch(const std::string& world, uint64_t epoch);
 Error snapshotOutOfRange(const std::string& world, uint64_t seq, uint64_t oldest, uint64_t newest);
 Error truncatesTooMuch(const std::string& world, uint64_t seq, uint64_t snapshot_seq);
+Error losesTooMuch(const std::string& world, uint64_t lost, uint64_t most_lost);
 Error alreadyTruncated(const std::string& world, uint64_t after, uint64_t first_kept);
 
 /// Lives as long as the process.

@@ -36,12 +36,16 @@ Result<void> prepareLogFolder(const fs::path& folder) {
 
   struct statfs system {};
   if (statfs(folder.c_str(), &system) != 0) return refuse(std::strerror(errno));
-  if (const auto network = networkFileSystem(static_cast<long>(system.f_type)))
+  return checkFileSystem(name, static_cast<long>(system.f_type));
+}
+
+Result<void> checkFileSystem(const std::string& folder, long type) {
+  if (const auto network = networkFileSystem(type))
     return Error{ErrorKind::unsupported,
                  fmt::format("log folder {} lies on {}, a network file system, where a sync does not keep what it "
                              "promises; use a local disk",
-                             name, *network),
-                 "log-dir", name, "local file systems"};
+                             folder, *network),
+                 "log-dir", folder, "local file systems"};
   return {};
 }
 

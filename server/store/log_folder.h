@@ -14,6 +14,9 @@ namespace helio::store {
 /// server out.
 Result<void> prepareLogFolder(const std::filesystem::path& folder);
 
+/// Refuses a network file system (unsupported). `type` is statfs' f_type of the folder.
+Result<void> checkFileSystem(const std::string& folder, long type);
+
 /// The name of a network file system by statfs' f_type, if it is one.
 std::optional<std::string> networkFileSystem(long type);
 

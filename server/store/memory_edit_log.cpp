@@ -124,6 +124,13 @@ class MemoryEditLog final : public EditLog {
     return names;
   }
 
+  Result<Repair> repair(const std::string& world, uint64_t) override {
+    const std::lock_guard lock(mutex_);
+    const auto entry = logs_.find(world);
+    if (entry == logs_.end()) return noSuchWorld(world);
+    return Repair{entry->second.lastSeq(), 0, 0};  // memory is never damaged
+  }
+
   Result<void> remove(const std::string& world) override {
     const std::lock_guard lock(mutex_);
     if (logs_.erase(world) == 0) return noSuchWorld(world);

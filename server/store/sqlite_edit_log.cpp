@@ -166,6 +166,29 @@ class SqliteEditLog final : public EditLog {
     return reading([&](SqliteTables& tables) -> Result<std::vector<std::string>> { return tables.worldNames(); });
   }
 
+  /// One transaction: other worlds' edits wait for it.
+  Result<Repair> repair(const std::string& world, uint64_t most_lost) override {
+    Survey found;
+    auto surveyed = reading([&](SqliteTables& tables) -> Result<void> {
+      const auto row = tables.world(world);
+      if (!row) return noSuchWorld(world);
+      found = tables.survey(*row);
+      if (found.repair.lost > most_lost) return losesTooMuch(world, found.repair.lost, most_lost);
+      return {};
+    });
+    if (!surveyed) return surveyed.error();
+    if (found.intact) return found.repair;
+    auto written = writing([&]() -> Result<void> {
+      auto row = tables_.world(world);
+      if (!row) return noSuchWorld(world);
+      row->epoch = tables_.nextEpoch();
+      tables_.giveUp(*row, found);
+      return {};
+    });
+    if (!written) return written.error();
+    return found.repair;
+  }
+
   Result<void> remove(const std::string& world) override {
     auto removed = writing([&]() -> Result<void> {
       if (!tables_.remove(world)) return noSuchWorld(world);
@@ -287,6 +310,7 @@ Result<std::unique_ptr<EditLog>> openSqliteEditLog(SqliteLogOptions options) {
     const auto kind = SqliteTables::kindOf(*database);
     const auto tail = inspectWal(path + "-wal", vfs);
     if (!tail) return tail.error();
+    if (!tail->damage.empty()) return damagedWal(path + "-wal", *tail);
     if (kind == SqliteTables::Kind::foreign)
       return refuse(ErrorKind::unsupported, path, "is a database, but no log of heliographd; choose another folder");
     if (kind == SqliteTables::Kind::newer)

@@ -149,9 +149,11 @@ SqliteTables::SqliteTables(Database& d)
           d.handle(),
           "SELECT seq, request_id, bytes, checksum FROM record WHERE world = ? AND seq > ? ORDER BY seq LIMIT ?"),
       remove_records_(d.handle(), "DELETE FROM record WHERE world = ? AND seq <= ?"),
+      remove_records_after_(d.handle(), "DELETE FROM record WHERE world = ? AND seq > ?"),
       insert_request_(d.handle(), "INSERT INTO request VALUES (?, ?, ?, ?, ?)"),
       read_request_(d.handle(), "SELECT seq, receipt, checksum FROM request WHERE world = ? AND request_id = ?"),
       list_requests_(d.handle(), "SELECT request_id, seq, receipt, checksum FROM request WHERE world = ?"),
+      remove_request_(d.handle(), "DELETE FROM request WHERE world = ? AND request_id = ?"),
       insert_part_(d.handle(), "INSERT INTO snapshot_part VALUES (?, ?, ?, ?, ?)"),
       read_parts_(d.handle(),
                   "SELECT part, bytes, checksum FROM snapshot_part WHERE world = ? AND generation = ? ORDER BY part"),
@@ -302,6 +304,10 @@ void SqliteTables::verify(const WorldRow& world) {
   expect(world.forgotten <= world.snapshot_seq && world.snapshot_seq <= world.last_seq,
          fmt::format("the row of world \"{}\"", world.name));
   snapshotBytes(world);
+  {
+    Query beyond(read_records_, world.id, world.last_seq, uint64_t{1});
+    expect(!beyond.step(), fmt::format("the end of world \"{}\"", world.name));
+  }
 
   uint64_t requests = 0;
   Query query(list_requests_, world.id);
@@ -313,6 +319,72 @@ void SqliteTables::verify(const WorldRow& world) {
   }
   expect(requests == world.requests,
          fmt::format("the receipts of world \"{}\": {} of {} are there", world.name, requests, world.requests));
+}
+
+// ---- Repair
+// ----------------------------------------------------------------------------------------------------------
+
+/// The last record up to which all after `after` can be read.
+uint64_t SqliteTables::intactUpTo(const WorldRow& world, uint64_t after) {
+  uint64_t seq = after;
+  Query query(read_records_, world.id, after, world.last_seq - after);
+  for (; query.step(); ++seq) {
+    const Record record{query.integer(0), query.bytes(1), query.bytes(2), {}};
+    if (record.seq != seq + 1 || query.integer(3) != checksumOf(world.id, record)) break;
+  }
+  return seq;
+}
+
+Survey SqliteTables::survey(const WorldRow& world) {
+  Survey survey;
+  try {
+    verify(world);
+    survey.repair.last_seq = world.last_seq;
+    return survey;
+  } catch (const Damage&) { survey.intact = false; }
+
+  uint64_t from = world.snapshot_seq;
+  try {
+    snapshotBytes(world);
+  } catch (const Damage&) {
+    survey.snapshot_goes = true;
+    from = 0;
+  }
+  // Without a snapshot, only records from the first on lead anywhere.
+  const bool reachable = !survey.snapshot_goes || world.forgotten == 0;
+  survey.repair.last_seq = reachable ? intactUpTo(world, from) : 0;
+  survey.repair.lost = world.last_seq - survey.repair.last_seq;
+
+  uint64_t found = 0;
+  Query query(list_requests_, world.id);
+  for (; query.step(); ++found) {
+    const std::string request_id = query.bytes(0);
+    const Receipt receipt{query.integer(1), query.bytes(2)};
+    const bool intact = query.integer(3) == checksumOf(world.id, request_id, receipt);
+    if (intact && receipt.seq <= survey.repair.last_seq) {
+      ++survey.requests_left;
+      continue;
+    }
+    survey.requests.push_back(request_id);
+    if (!intact) ++survey.repair.forgotten_requests;
+  }
+  survey.repair.forgotten_requests += world.requests - std::min(found, world.requests);
+  return survey;
+}
+
+void SqliteTables::giveUp(WorldRow world, const Survey& survey) {
+  Query(remove_records_after_, world.id, survey.repair.last_seq).run();
+  for (const std::string& request_id : survey.requests) Query(remove_request_, world.id, request_id).run();
+  world.last_seq = survey.repair.last_seq;
+  world.requests = survey.requests_left;
+  if (survey.snapshot_goes) {
+    world.snapshot_seq = world.snapshot_parts = world.snapshot_generation = world.forgotten = 0;
+    while (removeSomeParts(world)) {}
+  } else {  // what is in the snapshot needs no records any more, damaged or not
+    world.forgotten = world.snapshot_seq;
+    removeRecords(world, world.forgotten);
+  }
+  update(world);
 }
 
 }  // namespace helio::store

@@ -37,6 +37,15 @@ struct WorldRow {
   std::string manifest;
 };
 
+/// What of a world can still be read.
+struct Survey {
+  bool intact = true;
+  Repair repair;                      ///< what is left when the rest goes
+  bool snapshot_goes = false;         ///< it cannot be read, and the records make up for it, or everything goes
+  std::vector<std::string> requests;  ///< whose receipts cannot be read, or are of records that go
+  uint64_t requests_left = 0;
+};
+
 /// Everything throws SqliteFailure, or Damage where a row is not what was written. Not thread-safe; writing needs a
 /// transaction around it.
 class SqliteTables {
@@ -77,14 +86,20 @@ class SqliteTables {
 
   /// Reads all that is kept of a world.
   void verify(const WorldRow& world);
+  /// Likewise, and finds out what is left without what is damaged.
+  Survey survey(const WorldRow& world);
+  /// Deletes what the survey says, and stores the row.
+  void giveUp(WorldRow world, const Survey& survey);
 
  private:
+  uint64_t intactUpTo(const WorldRow& world, uint64_t after);
+
   Database& database_;
   Statement read_epoch_, write_epoch_;
   Statement read_world_, list_worlds_, insert_world_, update_world_, remove_world_;
   Statement read_waste_, add_waste_, remove_waste_, waste_records_, waste_requests_, waste_parts_;
-  Statement insert_record_, read_records_, remove_records_;
-  Statement insert_request_, read_request_, list_requests_;
+  Statement insert_record_, read_records_, remove_records_, remove_records_after_;
+  Statement insert_request_, read_request_, list_requests_, remove_request_;
   Statement insert_part_, read_parts_, remove_parts_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -98,15 +99,20 @@ std::optional<Header> parse(const std::vector<uint8_t>& bytes) {
   return header;
 }
 
-Error damaged(const std::string& path, const std::string& what) {
+constexpr uint64_t kUsualPageBytes = 4096;  // SQLite's own choice, which the log leaves alone
+
+}  // namespace
+
+Error damagedWal(const std::string& path, const WalTail& tail) {
   return {ErrorKind::damaged,
-          fmt::format("{} is damaged: {}; put back a copy that you trust", path, what),
+          fmt::format("{} is damaged: {}; put back a copy that you trust, or give up at most {} transactions: helio "
+                      "worlds repair --log-dir {} --accept-loss {}",
+                      path, tail.damage, tail.lost_commits, std::filesystem::path(path).parent_path().string(),
+                      tail.lost_commits),
           "log-dir",
           path,
           {}};
 }
-
-}  // namespace
 
 Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
   VfsFile file(path, vfs);
@@ -121,7 +127,11 @@ Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
   std::vector<uint8_t> head(kHeaderBytes);
   if (!file.read(0, head)) return unreadable;
   auto header = parse(head);
-  if (!header) return damaged(path, "frames without a header");  // SQLite syncs the header before the first frame
+  if (!header) {  // SQLite syncs the header before the first frame
+    tail.damage = "frames without a header";
+    tail.lost_commits = (size - kHeaderBytes) / (kFrameHeaderBytes + kUsualPageBytes);
+    return tail;
+  }
 
   const size_t frame_bytes = kFrameHeaderBytes + header->page_bytes;
   std::vector<uint8_t> frame(frame_bytes);
@@ -147,15 +157,20 @@ Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
     if (!this_generation) continue;  // left over from before the last checkpoint
     end = at + frame_bytes;
     if (trusted) continue;
-    if (unit_ended)
-      return damaged(path,
-                     fmt::format("a frame before byte {} does not match its checksum, and a later transaction was "
-                                 "begun after its own was complete",
-                                 at));
-    unit_ended = commits;
+    if (unit_ended && tail.damage.empty())
+      tail.damage = fmt::format(
+          "a frame before byte {} does not match its checksum, and a later transaction was begun "
+          "after its own was complete",
+          at);
+    unit_ended |= commits;
+    if (commits) ++tail.lost_commits;
   }
   if (at < size) end = size;  // the write was cut short within a frame
-  tail.incomplete_bytes = end - trusted_end;
+  tail.trusted_bytes = trusted_end;
+  if (tail.damage.empty()) {
+    tail.incomplete_bytes = end - trusted_end;
+    tail.lost_commits = 0;  // one that was never complete, as far as anybody can tell
+  }
   return tail;
 }
 

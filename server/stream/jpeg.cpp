@@ -2,6 +2,7 @@
 
 #include <turbojpeg.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace helio::stream {
@@ -14,15 +15,16 @@ JpegEncoder::~JpegEncoder() { tjDestroy(compressor_); }
 
 Result<void> JpegEncoder::encode(const render::Pixels& pixels, int quality, std::string& out) {
   const int width = static_cast<int>(pixels.width), height = static_cast<int>(pixels.height);
-  // The largest that this size can become: nothing is allocated or copied by the encoder.
-  out.resize(tjBufSize(width, height, TJSAMP_420));
-  auto* bytes = reinterpret_cast<unsigned char*>(out.data());
-  unsigned long size = out.size();
+  // The largest that this size can become, touched once: to give each message so much room for a picture of a tenth of
+  // it costs more than the copy, in fresh pages.
+  buffer_.resize(std::max<size_t>(buffer_.size(), tjBufSize(width, height, TJSAMP_420)));
+  unsigned char* bytes = buffer_.data();
+  unsigned long size = buffer_.size();
   const int pitch = 0;  // no padding between rows
   if (tjCompress2(compressor_, pixels.rgbx, width, pitch, height, TJPF_RGBX, &bytes, &size, TJSAMP_420, quality,
                   TJFLAG_NOREALLOC) != 0)
     return Error{ErrorKind::internal, std::string("JPEG encoder: ") + tjGetErrorStr2(compressor_), {}, {}, {}};
-  out.resize(size);
+  out.assign(reinterpret_cast<const char*>(bytes), size);
   return {};
 }
 

@@ -1,7 +1,8 @@
-// JPEG by TurboJPEG, straight into the message that carries it.
+// JPEG by TurboJPEG.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "render/renderer.h"
@@ -21,6 +22,7 @@ class JpegEncoder {
 
  private:
   void* compressor_;
+  std::vector<unsigned char> buffer_;  ///< the largest that the pictures so far could have become
 };
 
 }  // namespace helio::stream

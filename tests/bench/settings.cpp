@@ -4,6 +4,8 @@
 #include <functional>
 #include <map>
 
+#include "render/light_switches.h"
+
 namespace helio::bench {
 namespace {
 
@@ -16,20 +18,17 @@ Setter into(T render::ViewSettings::*field) {
 
 const std::map<std::string, Setter>& setters() {
   using S = render::ViewSettings;
-  static const std::map<std::string, Setter> table{{"bounces", into(&S::bounces)},
-                                                   {"roulette", into(&S::roulette)},
-                                                   {"light_sampling", into(&S::light_sampling)},
-                                                   {"mis", into(&S::mis)},
-                                                   {"sky_sampling", into(&S::sky_sampling)},
-                                                   {"lamp_samples", into(&S::lamp_samples)},
-                                                   {"light_lists", into(&S::light_lists)},
-                                                   {"round_surfaces", into(&S::round_surfaces)},
-                                                   {"multiple_scattering", into(&S::multiple_scattering)},
-                                                   {"regularisation", into(&S::regularisation)},
-                                                   {"path_launches", into(&S::path_launches)},
-                                                   {"sun_shadow", into(&S::sun_shadow)},
-                                                   {"shadow_map_size", into(&S::shadow_map_size)},
-                                                   {"levels_of_detail", into(&S::levels_of_detail)}};
+  static const auto table = [] {
+    std::map<std::string, Setter> setters{{"bounces", into(&S::bounces)},
+                                          {"lamp_samples", into(&S::lamp_samples)},
+                                          {"regularisation", into(&S::regularisation)},
+                                          {"path_launches", into(&S::path_launches)},
+                                          {"sun_shadow", into(&S::sun_shadow)},
+                                          {"shadow_map_size", into(&S::shadow_map_size)},
+                                          {"levels_of_detail", into(&S::levels_of_detail)}};
+    for (const render::LightSwitch& each : render::kLightSwitches) setters[each.name] = into(each.field);
+    return setters;
+  }();
   return table;
 }
 

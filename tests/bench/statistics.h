@@ -3,10 +3,11 @@
 
 #include <vector>
 
+#include "base/median.h"
+
 namespace helio::bench {
 
-/// The middle value; of an even number of values the mean of the two in the middle. `values` must not be empty.
-double median(std::vector<double> values);
+using helio::median;
 
 /// Nearest rank: the smallest value that at least `percent` percent of all values do not exceed, so always a value that
 /// was measured (no interpolation). `percent` in [1, 100]; `values` must not be empty.

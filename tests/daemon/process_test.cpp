@@ -13,7 +13,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <thread>
 
@@ -230,6 +232,84 @@ TEST_F(ProcessTest, OneSignalTellsTheViewersAndEndsInOrder) {
   EXPECT_EQ(end(), 0);
   reader.join();
   EXPECT_TRUE(told) << "the viewer was not told";
+}
+
+TEST_F(ProcessTest, ASecondSignalEndsAtOnce) {
+  serve({"--synthetic-frame-us", "3600000000"});  // a tick takes an hour, and an orderly end waits for it
+  client::Connection connection(address_);
+  client::ViewerSession::Options options;
+  options.world = "city";
+  options.settings.set_width(64);
+  options.settings.set_height(32);
+  auto session = client::ViewerSession::attach(connection, options);
+  ASSERT_TRUE(session.ok()) << session.error().message;
+  kill(server_, SIGTERM);
+  while (read(log()).find("draining") == std::string::npos) std::this_thread::sleep_for(10ms);
+  int status = 0;
+  EXPECT_EQ(waitpid(server_, &status, WNOHANG), 0) << "it did not wait for the tick";
+  EXPECT_EQ(end(), EXIT_FAILURE);
+}
+
+/// The inodes of this process' sockets.
+std::set<std::string> socketsOf(pid_t pid) {
+  std::set<std::string> sockets;
+  for (const auto& entry : fs::directory_iterator("/proc/" + std::to_string(pid) + "/fd")) {
+    std::error_code gone;
+    const std::string target = fs::read_symlink(entry, gone).string();
+    if (target.rfind("socket:[", 0) == 0) sockets.insert(target.substr(8, target.size() - 9));
+  }
+  return sockets;
+}
+
+/// host:port (in hexadecimal) of every socket of a process that waits for strangers: TCP that listens, any UDP, and
+/// paths of UNIX sockets that listen.
+std::set<std::string> listeningOf(pid_t pid) {
+  const auto sockets = socketsOf(pid);
+  std::set<std::string> out;
+  for (const char* protocol : {"tcp", "tcp6", "udp", "udp6"}) {
+    std::istringstream lines(read(fs::path("/proc") / std::to_string(pid) / "net" / protocol));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+      std::istringstream words(line);
+      std::vector<std::string> word{std::istream_iterator<std::string>(words), {}};
+      const bool waits = std::string(protocol).rfind("udp", 0) == 0 || word.at(3) == "0A";
+      if (!waits || sockets.count(word.at(9)) == 0) continue;
+      const std::string mapped = "0000000000000000FFFF0000", &local = word.at(1);  // an IPv4 address in an IPv6 socket
+      out.insert(local.rfind(mapped, 0) == 0 ? local.substr(mapped.size()) : local);
+    }
+  }
+  std::istringstream lines(read(fs::path("/proc") / std::to_string(pid) / "net/unix"));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::vector<std::string> word{std::istream_iterator<std::string>(words), {}};
+    const bool listens = (std::stoul(word.at(3), nullptr, 16) & 0x10000) != 0;
+    if (listens && sockets.count(word.at(6)) != 0) out.insert("unix " + line);
+  }
+  return out;
+}
+
+std::string hexadecimalPort(const std::string& address) {
+  char text[8];
+  std::snprintf(text, sizeof text, "%04X", static_cast<unsigned>(std::stoul(address.substr(address.rfind(':') + 1))));
+  return text;
+}
+
+TEST_F(ProcessTest, NothingListensButWhatWasAskedFor) {
+  constexpr const char* kLoopback = "0100007F:";
+  serve({});
+  EXPECT_EQ(listeningOf(server_), std::set<std::string>{kLoopback + hexadecimalPort(address_)});
+  EXPECT_EQ(end(), 0);
+  serve({"--ops-listen", "127.0.0.1:0"});
+  const std::string text = read(log());
+  const auto at = text.find("health and metrics on ");
+  ASSERT_NE(at, std::string::npos);
+  const auto ops = text.substr(at + 22, text.find('"', at) - at - 22);
+  EXPECT_EQ(listeningOf(server_),
+            (std::set<std::string>{kLoopback + hexadecimalPort(address_), kLoopback + hexadecimalPort(ops)}));
+  EXPECT_EQ(end(), 0);
 }
 
 TEST_F(ProcessTest, AViewerGoesOnWhenTheServerHasRestarted) {

@@ -11,6 +11,7 @@
 #include <set>
 #include <thread>
 
+#include "base/median.h"
 #include "load/plot.h"
 #include "load/relay.h"
 #include "load/report.h"
@@ -165,6 +166,12 @@ TEST(Objectives, VariantsAreComparedBeyondTheSpreadOfRuns) {
   EXPECT_NEAR(judged.limit, 15, 1e-6);
   EXPECT_TRUE(judged.met);
   EXPECT_FALSE(judge(scenario, runs({{"usual", {100}}, {"hard", {111}}})).front().met);
+  // One run that the machine spoilt excuses nothing: quartiles 99 and 102.
+  const auto spoilt = judge(
+      scenario,
+      runs({{"usual", {98}}, {"usual", {99}}, {"usual", {100}}, {"usual", {102}}, {"usual", {190}}, {"hard", {114}}}));
+  EXPECT_NEAR(spoilt.front().limit, 13, 1e-6);
+  EXPECT_FALSE(spoilt.front().met);
   const auto difference =
       scenarioWith("{ of: edit_ms, statistic: p50, variant: hard, against: usual, by: difference, at_most: 10 }");
   EXPECT_EQ(judge(difference, runs({{"usual", {100}}, {"hard", {108}}})).front().value, 8);

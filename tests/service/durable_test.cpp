@@ -1,7 +1,11 @@
 // Worlds that outlive their server: what was acknowledged is there again, the same, and what cannot be is said.
+#include <sqlite3.h>
+
 #include <atomic>
+#include <condition_variable>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "fixture.h"
 #include "store/sqlite_edit_log.h"
@@ -206,6 +210,50 @@ TEST_F(DurableTest, DamageIsDataLossOfThatWorldAlone) {
   EXPECT_EQ(seqOf("bad"), 0u);
 }
 
+TEST_F(DurableTest, ADamagedWorldIsRepairedWithoutARestart) {
+  makeWorld("bad");
+  v1::ApplyEditsResponse answer;
+  for (int i = 1; i <= 5; ++i)
+    ASSERT_TRUE(apply(buildRequest("bad", "request " + std::to_string(i), float(i)), answer).status.ok());
+  const auto all = ids("bad");
+  v1::RepairWorldRequest request;
+  v1::RepairWorldResponse repaired;
+  request.set_world("bad");
+  request.set_accept_loss(100);
+  expectFailure(call(&Stub::RepairWorld, request, repaired), Code::FAILED_PRECONDITION, v1::ERROR_REASON_UNSUPPORTED,
+                "world");
+  stop();
+  sqlite3* database = nullptr;
+  ASSERT_EQ(sqlite3_open((logFolder() / "edits.db").c_str(), &database), SQLITE_OK);
+  EXPECT_EQ(sqlite3_exec(database, "UPDATE record SET bytes = x'00' WHERE seq = 4", nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  sqlite3_close(database);
+
+  start();
+  EXPECT_EQ(waitUntilReady("bad").state(), v1::WORLD_STATE_FAILED);
+  const auto lost = apply(buildRequest("bad", "x", 1), answer);
+  EXPECT_EQ(lost.status.error_code(), Code::DATA_LOSS);
+  EXPECT_THAT(lost.status.error_message(), testing::HasSubstr("helio worlds repair bad --accept-loss N"));
+  request.set_accept_loss(1);
+  const auto refused = call(&Stub::RepairWorld, request, repaired);
+  expectFailure(refused, Code::FAILED_PRECONDITION, v1::ERROR_REASON_UNSUPPORTED, "accept_loss", "1");
+  EXPECT_EQ(refused.detail.value(), "2");
+  request.set_accept_loss(2);
+  ASSERT_TRUE(call(&Stub::RepairWorld, request, repaired).status.ok());
+  EXPECT_EQ(repaired.lost_edits(), 2u);
+  EXPECT_EQ(repaired.seq(), 3u);
+  EXPECT_EQ(waitUntilReady("bad").state(), v1::WORLD_STATE_READY);
+  EXPECT_EQ(seqOf("bad"), repaired.seq());
+  EXPECT_EQ(ids("bad").size(), all.size() - repaired.lost_edits());
+  ASSERT_TRUE(apply(buildRequest("bad", "request 3", 3), answer).status.ok());
+  EXPECT_TRUE(answer.replayed());
+  ASSERT_TRUE(apply(buildRequest("bad", "request 4", 4), answer).status.ok());
+  EXPECT_FALSE(answer.replayed()) << "a lost edit is done again";
+  expectServing("bad");
+  restartProcess();
+  EXPECT_EQ(waitUntilReady("bad").state(), v1::WORLD_STATE_READY);
+}
+
 TEST_F(DurableTest, TheCityOfTheCommandLineIsMadeOnce) {
   ASSERT_TRUE(server_->createCity("city", {1, 1000}).ok());
   waitUntilReady("city");
@@ -215,15 +263,13 @@ TEST_F(DurableTest, TheCityOfTheCommandLineIsMadeOnce) {
   EXPECT_EQ(waitUntilReady("city").state(), v1::WORLD_STATE_READY);
 }
 
-/// A log that loses its answers: the record is written, and nobody hears of it.
-class MuteLog final : public store::EditLog {
+/// Another log behind it.
+class LogBefore : public store::EditLog {
  public:
-  explicit MuteLog(std::unique_ptr<store::EditLog> log) : log_(std::move(log)) {}
-  std::atomic<bool> mute = false;
+  explicit LogBefore(std::unique_ptr<store::EditLog> log) : log_(std::move(log)) {}
 
   store::Append append(const std::string& world, uint64_t epoch, const store::Record& record) override {
-    const auto answer = log_->append(world, epoch, record);
-    return mute ? store::Append::unknown : answer;
+    return log_->append(world, epoch, record);
   }
   Result<uint64_t> acquire(const std::string& w) override { return log_->acquire(w); }
   Result<std::optional<store::Receipt>> receipt(const std::string& w, const std::string& id) const override {
@@ -245,11 +291,78 @@ class MuteLog final : public store::EditLog {
   }
   Result<std::string> manifest(const std::string& w) const override { return log_->manifest(w); }
   Result<std::vector<std::string>> worlds() const override { return log_->worlds(); }
+  Result<store::Repair> repair(const std::string& w, uint64_t most) override { return log_->repair(w, most); }
   Result<void> remove(const std::string& w) override { return log_->remove(w); }
 
  private:
   std::unique_ptr<store::EditLog> log_;
 };
+
+/// Loses its answers: the record is written, and nobody hears of it.
+class MuteLog final : public LogBefore {
+ public:
+  using LogBefore::LogBefore;
+  std::atomic<bool> mute = false;
+
+  store::Append append(const std::string& world, uint64_t epoch, const store::Record& record) override {
+    const auto answer = LogBefore::append(world, epoch, record);
+    return mute ? store::Append::unknown : answer;
+  }
+};
+
+/// Its disk takes as long as it is told to.
+class SlowLog final : public LogBefore {
+ public:
+  using LogBefore::LogBefore;
+
+  void hold(bool hold) {
+    const std::lock_guard lock(mutex_);
+    hold_ = hold;
+    changed_.notify_all();
+  }
+  bool held() const {
+    const std::lock_guard lock(mutex_);
+    return held_;
+  }
+  store::Append append(const std::string& world, uint64_t epoch, const store::Record& record) override {
+    {
+      std::unique_lock lock(mutex_);
+      held_ = hold_;
+      changed_.wait(lock, [this] { return !hold_; });
+    }
+    return LogBefore::append(world, epoch, record);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  bool hold_ = false, held_ = false;
+};
+
+TEST_F(DurableTest, AnEditWhoseDeadlineIsOverBeforeItsTurnIsNotDone) {
+  server_.reset();
+  auto slow = std::make_unique<SlowLog>(store::makeMemoryEditLog());
+  SlowLog& log = *slow;
+  log_ = std::move(slow);
+  serve([](service::ServerConfig&) {});
+  makeWorld("w");
+  log.hold(true);
+  v1::ApplyEditsResponse first_answer, answer;
+  std::thread first([&] { EXPECT_TRUE(apply(buildRequest("w", "first", 1), first_answer).status.ok()); });
+  eventually([&] { return log.held(); }, "the first edit is at the disk");
+  {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(300));
+    EXPECT_EQ(worlds_->ApplyEdits(&context, buildRequest("w", "late", 2), &answer).error_code(),
+              Code::DEADLINE_EXCEEDED);
+  }
+  log.hold(false);
+  first.join();
+  // A call behind it on the same connection is answered: the late one had its turn.
+  ASSERT_TRUE(apply(buildRequest("w", "next", 3), answer).status.ok());
+  EXPECT_EQ(answer.seq(), 2u) << "who had given up was served";
+  EXPECT_FALSE(log_->find("w", "late"));
+}
 
 TEST_F(DurableTest, ARepeatSettlesAnUnknownOutcome) {
   server_.reset();

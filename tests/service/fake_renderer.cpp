@@ -106,6 +106,7 @@ Result<std::vector<render::Frame>> FakeRenderer::tick(render::WorldHandle world,
     std::lock_guard lock(mutex_);
     worlds_[world] = false;
   }
+  if (lost_) return Error{ErrorKind::internal, "the device is lost", "device", {}, {}};
   if (failed) return Error{ErrorKind::limit, "out of GPU memory for a view of this size", "memory", {}, {}};
   return frames;
 }

@@ -31,6 +31,9 @@ class FakeRenderer final : public render::Renderer {
   /// Ticks with a view of this width fail with ErrorKind::limit, as when memory runs out.
   void failWidth(uint32_t width) { fail_width_ = width; }
 
+  /// Every tick from now on fails as on a device that is lost.
+  void loseDevice() { lost_ = true; }
+
   size_t views() const;
   size_t worlds() const;
   /// Pictures that somebody still holds, now and at most.
@@ -56,6 +59,7 @@ class FakeRenderer final : public render::Renderer {
   uint64_t next_ = 1;
   std::atomic<int> tick_ms_ = 1;
   std::atomic<uint32_t> fail_width_ = 0;
+  std::atomic<bool> lost_ = false;
   std::atomic<uint64_t> ticks_ = 0, slots_ = 0, misuses_ = 0;
   // Shared with the frames, which may outlive the renderer.
   std::shared_ptr<std::atomic<int64_t>> live_ = std::make_shared<std::atomic<int64_t>>(0);

@@ -197,19 +197,14 @@ TEST_F(ResumeTest, AStillCameraGetsASharperPicture) {
 }
 
 TEST_F(ResumeTest, AViewerTakesNoMoreThanItWishes) {
-  constexpr uint32_t kKbps = 4'000;
   Viewer viewer(*viewers_, "city", 512, 256, [](v1::Hello& hello) {  // noise: 100 kB a frame
-    hello.mutable_settings()->mutable_stream()->set_max_kbps(kKbps);
+    hello.mutable_settings()->mutable_stream()->set_max_kbps(1'000);
   });
-  const auto start = std::chrono::steady_clock::now();
-  uint64_t bytes = 0, first = 0;
-  while (std::chrono::steady_clock::now() - start < 3s) {
-    const auto frame = viewer.frame();
-    if (first == 0) first = frame.data().size();
-    bytes += frame.data().size();
-  }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_LT(double(bytes - first), 1.15 * kKbps * 125.0 * seconds);
+  // How much a wish is worth is tested in simulated time (tests/stream); here, that it gets there.
+  const uint32_t first = viewer.frame().telemetry().jpeg_quality();
+  uint32_t least = first;
+  for (int i = 0; i < 10 && least == first; ++i) least = std::min(least, viewer.frame().telemetry().jpeg_quality());
+  EXPECT_LT(least, 80u);
 }
 
 }  // namespace

@@ -2,11 +2,13 @@
 #include <turbojpeg.h>
 
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <thread>
 
 #include "fixture.h"
+#include "render/light_switches.h"
 
 namespace helio::test {
 namespace {
@@ -160,6 +162,39 @@ TEST_F(ViewerTest, AMaterialOverrideIsASettingLikeOthers) {
   EXPECT_EQ(renderer_.newestSettings().materials, render::MaterialOverride::normals);
 }
 
+TEST_F(ViewerTest, SwitchesOfLightTransportAreSettingsLikeOthers) {
+  const render::ViewSettings usual;
+  for (const auto& each : render::kLightSwitches) {
+    SCOPED_TRACE(each.name);
+    const auto* field = v1::LightTransport::descriptor()->FindFieldByName(each.name);
+    ASSERT_NE(field, nullptr);
+    eventually([&] { return renderer_.views() == 0; }, "nobody else looks");
+    Viewer viewer(*viewers_, "city", 64, 32, [&](v1::Hello& hello) {
+      auto& light = *hello.mutable_settings()->mutable_light_transport();
+      light.GetReflection()->SetBool(&light, field, !(usual.*each.field));
+    });
+    // What was not said is the default, and said; the switch reaches the renderer.
+    const v1::LightTransport in_effect = viewer.welcome().settings().settings().light_transport();
+    for (const auto& other : render::kLightSwitches) {
+      const auto* named = v1::LightTransport::descriptor()->FindFieldByName(other.name);
+      EXPECT_TRUE(in_effect.GetReflection()->HasField(in_effect, named)) << other.name;
+      EXPECT_EQ(in_effect.GetReflection()->GetBool(in_effect, named), (usual.*other.field) != (named == field))
+          << other.name;
+    }
+    viewer.frame();
+    EXPECT_EQ(renderer_.newestSettings().*each.field, !(usual.*each.field));
+  }
+  eventually([&] { return renderer_.views() == 0; }, "nobody else looks");
+  Viewer smoother(*viewers_, "city", 64, 32, [](v1::Hello& hello) {
+    hello.mutable_settings()->mutable_light_transport()->set_regularisation(0.25f);
+    hello.mutable_settings()->mutable_light_transport()->set_lamp_samples(4);
+  });
+  EXPECT_EQ(smoother.welcome().settings().settings().light_transport().regularisation(), 0.25f);
+  smoother.frame();
+  EXPECT_EQ(renderer_.newestSettings().regularisation, 0.25f);
+  EXPECT_EQ(renderer_.newestSettings().lamp_samples, 4u);
+}
+
 TEST_F(ViewerTest, EveryFrameAfterTheAnswerHasTheNewSettings) {
   Viewer viewer(*viewers_, "city", 64, 32);
   viewer.frame();
@@ -230,6 +265,8 @@ TEST_F(ViewerTest, SettingsOutOfRange) {
       {"settings.primary", [](v1::Settings& s) { s.set_primary(v1::PrimaryHits(99)); }},
       {"settings.exposure_ev", [](v1::Settings& s) { s.mutable_exposure()->set_ev(std::nanf("")); }},
       {"settings.stream.max_fps", [](v1::Settings& s) { s.mutable_stream()->set_max_fps(61); }},
+      {"settings.regularisation", [](v1::Settings& s) { s.mutable_light_transport()->set_regularisation(1.5f); }},
+      {"settings.lamp_samples", [](v1::Settings& s) { s.mutable_light_transport()->set_lamp_samples(65); }},
       {"settings.stream.jpeg_quality", [](v1::Settings& s) { s.mutable_stream()->set_jpeg_quality(101); }},
       {"settings.stream.max_latency_ms", [](v1::Settings& s) { s.mutable_stream()->set_max_latency_ms(5); }},
   };
@@ -299,6 +336,19 @@ TEST_F(ViewerTest, AViewThatCannotBeRenderedEndsAloneAndLosesNoEdit) {
   v1::ApplyEditsResponse answer;
   ASSERT_TRUE(apply(buildRequest("city", "after", 1), answer).status.ok());
   EXPECT_EQ(good.frameWhere([&](const v1::Frame& f) { return f.applied_seq() >= answer.seq(); }).width(), 64u);
+}
+
+TEST_F(ViewerTest, ALostDeviceIsToldToViewersAndToWhoMustEndTheProcess) {
+  std::atomic<int> told = 0;
+  restart([&](service::ServerConfig& config) {
+    config.on_fatal = [&](const Error& error) { told += error.kind == ErrorKind::internal; };
+  });
+  makeWorld("city");
+  Viewer viewer(*viewers_, "city", 64, 32);
+  viewer.frame();
+  renderer_.loseDevice();
+  EXPECT_EQ(viewer.end().status.error_code(), Code::INTERNAL);
+  eventually([&] { return told == 1; }, "the process is told to end");
 }
 
 TEST_F(ViewerTest, DeletingAWorldTellsItsViewers) {

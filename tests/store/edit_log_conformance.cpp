@@ -360,5 +360,18 @@ TEST_P(EditLogConformance, ServersThatFightOverAWorldNeverBothWrite) {
   }
 }
 
+TEST_P(EditLogConformance, WhatIsNotDamagedIsNotRepaired) {
+  EXPECT_EQ(log_->repair("w", 0).error().kind, ErrorKind::not_found);
+  const uint64_t epoch = acquire();
+  fill("w", epoch, 1, 3);
+  const auto repair = log_->repair("w", 100);
+  ASSERT_TRUE(repair.ok()) << repair.error().message;
+  EXPECT_EQ(repair->last_seq, 3u);
+  EXPECT_EQ(repair->lost, 0u);
+  EXPECT_EQ(repair->forgotten_requests, 0u);
+  EXPECT_EQ(seqs("w"), (std::vector<uint64_t>{1, 2, 3}));
+  EXPECT_EQ(log_->append("w", epoch, record(4)), Append::ok) << "who has the world keeps it";
+}
+
 }  // namespace
 }  // namespace helio::store

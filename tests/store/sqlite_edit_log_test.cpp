@@ -1,53 +1,22 @@
 // The durable backend: what every backend does, and what only a disk can do to it.
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
 #include <sqlite3.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "edit_log_conformance.h"
+#include "sqlite_files.h"
 #include "store/log_folder.h"
-#include "store/sqlite_edit_log.h"
-#include "store/wal_inspection.h"
 
 namespace helio::store {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-/// A folder that goes with the object.
-class Folder {
- public:
-  Folder() {
-    std::string name = ::testing::TempDir() + "heliograph_log_XXXXXX";
-    path_ = mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path_); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  operator const fs::path&() const { return path_; }
-  fs::path operator/(const char* name) const { return path_ / name; }
-
- private:
-  fs::path path_;
-};
-
-SqliteLogOptions optionsFor(const fs::path& folder) {
-  SqliteLogOptions options;
-  options.folder = folder;
-  options.on_fatal = [](const Error& error) { ADD_FAILURE() << "fatal: " << error.message; };
-  return options;
-}
-
-std::unique_ptr<EditLog> mustOpen(const fs::path& folder) {
-  auto log = openSqliteEditLog(optionsFor(folder));
-  EXPECT_TRUE(log) << log.error().message;
-  return log ? std::move(*log) : nullptr;
-}
 
 /// Whatever folders the suite has made are removed at the end.
 std::vector<std::unique_ptr<Folder>>& folders() {
@@ -61,59 +30,6 @@ std::unique_ptr<EditLog> makeSqliteLog() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Sqlite, EditLogConformance, ::testing::Values(Backend{"Sqlite", makeSqliteLog}));
-
-Record record(uint64_t seq) {
-  return {seq, fmt::format("r{}", seq), fmt::format("bytes of {}", seq), fmt::format("receipt of {}", seq)};
-}
-
-/// A log of world "w" with records 1..count, closed as a crash leaves it: everything is still in the WAL.
-void writeAndCrash(const fs::path& folder, uint64_t count) {
-  const Folder other;
-  {
-    const auto log = mustOpen(other);
-    const auto epoch = log->acquire("w");
-    for (uint64_t seq = 1; seq <= count; ++seq) ASSERT_EQ(log->append("w", *epoch, record(seq)), Append::ok);
-    for (const char* name : {"edits.db", "edits.db-wal"}) fs::copy_file(other / name, folder / name);
-  }
-}
-
-/// Changes a byte of a file.
-void damage(const fs::path& file, uint64_t offset) {
-  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-  stream.seekg(static_cast<std::streamoff>(offset));
-  const char byte = static_cast<char>(stream.get() ^ 0x55);
-  stream.seekp(static_cast<std::streamoff>(offset));
-  stream.put(byte);
-  ASSERT_TRUE(stream.good()) << file << " at " << offset;
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-/// The only place where `text` lies in the file.
-uint64_t offsetOf(const fs::path& file, const std::string& text) {
-  const std::string bytes = contents(file);
-  const size_t found = bytes.find(text);
-  EXPECT_NE(found, std::string::npos) << text;
-  return found;
-}
-
-Error errorOfOpening(const fs::path& folder) {
-  const auto log = openSqliteEditLog(optionsFor(folder));
-  EXPECT_FALSE(log);
-  return log ? Error{} : log.error();
-}
-
-/// With another SQLite connection, while no log is open.
-void sql(const fs::path& folder, const std::string& statements) {
-  sqlite3* database = nullptr;
-  ASSERT_EQ(sqlite3_open((folder / "edits.db").c_str(), &database), SQLITE_OK);
-  char* error = nullptr;
-  EXPECT_EQ(sqlite3_exec(database, statements.c_str(), nullptr, nullptr, &error), SQLITE_OK) << error;
-  sqlite3_close(database);
-}
 
 TEST(SqliteEditLog, WhatWasAppendedIsThereAgain) {
   const Folder folder;
@@ -152,7 +68,24 @@ TEST(SqliteEditLog, WhatACrashLeavesInTheWriteAheadLogIsReadBack) {
   EXPECT_EQ(log->read("w", 0, 100)->size(), 20u);
 }
 
-TEST(SqliteEditLog, AnIncompleteTailIsCut) {
+/// What is logged while it lives.
+class LogLines {
+ public:
+  LogLines() : before_(spdlog::default_logger()) {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
+  }
+  ~LogLines() { spdlog::set_default_logger(before_); }
+  LogLines(const LogLines&) = delete;
+  LogLines& operator=(const LogLines&) = delete;
+  std::string text() const { return text_.str(); }
+
+ private:
+  std::shared_ptr<spdlog::logger> before_;
+  std::ostringstream text_;
+};
+
+TEST(SqliteEditLog, AnIncompleteTailIsCutAndReported) {
   const Folder folder;
   writeAndCrash(folder, 20);
   // The last transaction wrote at least one page; half of its last one is missing.
@@ -160,7 +93,9 @@ TEST(SqliteEditLog, AnIncompleteTailIsCut) {
   const auto tail = inspectWal(folder / "edits.db-wal", nullptr);
   ASSERT_TRUE(tail.ok()) << tail.error().message;
   EXPECT_GE(tail->incomplete_bytes, 2000u);
+  const LogLines lines;
   const auto log = mustOpen(folder);
+  EXPECT_THAT(lines.text(), HasSubstr("never complete, nor acknowledged; they were cut"));
   const auto epoch = log->acquire("w");
   ASSERT_TRUE(epoch.ok()) << epoch.error().message;
   EXPECT_EQ(log->read("w", 0, 100)->size(), 19u);
@@ -300,6 +235,15 @@ TEST(LogFolder, NetworkFileSystemsAreKnownByTheirTypes) {
   for (const long local :
        {0xef53L, 0x58465342L, 0x9123683eL, 0x01021994L, 0x794c7630L})  // ext4 xfs btrfs tmpfs overlay
     EXPECT_EQ(networkFileSystem(local), std::nullopt) << local;
+}
+
+TEST(LogFolder, ANetworkFileSystemIsRefusedByName) {
+  const auto refused = checkFileSystem("/srv/worlds", 0x6969);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().kind, ErrorKind::unsupported);
+  EXPECT_THAT(refused.error().message,
+              AllOf(HasSubstr("/srv/worlds"), HasSubstr("NFS"), HasSubstr("use a local disk")));
+  EXPECT_TRUE(checkFileSystem("/srv/worlds", 0xef53).ok());
 }
 
 TEST(LogFolder, IsMadeAndMustBeAFolder) {
