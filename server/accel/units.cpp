@@ -83,6 +83,10 @@ void Units::add(uint32_t slot, const world::Instance& instance) {
     }
   }
   unit_of_slot_[slot] = index;
+  if (looks_back_) {
+    unit_slots_.push_back(slot);
+    keepPrevious(index);
+  }
   fresh_.push_back(index);
   deforms_dirty_ = true;
   ++count_;
@@ -91,7 +95,9 @@ void Units::add(uint32_t slot, const world::Instance& instance) {
 void Units::remove(uint32_t index) {
   Unit& unit = units_[index];
   unit_of_slot_[unit.slot] = scene::kNone;
+  if (looks_back_) unit_slots_.push_back(unit.slot);
   poses_pool_.free(unit.pose);
+  poses_pool_.free(unit.previous);
   unit = {};
   deforms_[index] = {};
   free_.push_back(index);
@@ -99,6 +105,12 @@ void Units::remove(uint32_t index) {
 }
 
 void Units::growTable() {
+  if (const uint64_t bytes = units_.size() * sizeof(shared::MotionRecord);
+      looks_back_ && motion_buffer_.size() < bytes) {
+    motion_buffer_ = gpu::Buffer(device_, {"where units were", bytes * 3 / 2, gpu::MemoryCategory::path_tracing});
+    all_ = true;
+    moved_ = false;  // what it held is lost: in this tick nothing has moved, as far as is known
+  }
   if (deform_buffer_ && deform_buffer_.size() >= units_.size() * sizeof(shared::DeformRecord)) return;
   uint64_t capacity = 256;
   while (capacity < units_.size()) capacity *= 2;
@@ -123,22 +135,65 @@ glm::mat4x3 Units::transformAt(const Unit& unit, double time, double& clip_time)
   return scene::concatenate(unit.home, nodes[prefab.node]);
 }
 
-void Units::addPose(const Unit& unit, double clip_time) {
+void Units::addPose(Unit& unit, double clip_time) {
   const uint32_t rig = scene_.prefabs[unit.prefab].rig;
   const uint64_t nodes = scene_.rigs[rig].nodes.size() * kRowBytes,
                  palette = scene_.rigs[rig].joints.size() * kRowBytes;
+  const VkDeviceAddress previous = looks_back_ ? unit.previous.address : 0;
   poses_.push_back({clips_.clip(rig, unit.clip), unit.pose.address, unit.pose.address + nodes,
-                    unit.pose.address + nodes + palette, static_cast<float>(clip_time)});
+                    unit.pose.address + nodes + palette, previous, previous + palette, static_cast<float>(clip_time),
+                    !unit.in_pose});
+  unit.in_pose = true;
+}
+
+void Units::lookBack(bool wanted) {
+  if (wanted == looks_back_) return;
+  looks_back_ = wanted;
+  unit_slots_.clear();
+  if (wanted) {
+    unit_of_slot_dirty_ = all_ = true;
+    for (uint32_t index = 0; index < units_.size(); ++index) keepPrevious(index);
+    return;
+  }
+  motion_buffer_ = {};
+  unit_of_slot_buffer_ = {};
+  for (uint32_t index = 0; index < units_.size(); ++index) {
+    poses_pool_.free(units_[index].previous);
+    units_[index].previous = {};
+    deforms_[index].previous_palette = deforms_[index].previous_weights = 0;
+  }
+  deforms_dirty_ = true;
+}
+
+/// Room for the unit's pose of the tick before.
+void Units::keepPrevious(uint32_t index) {
+  Unit& unit = units_[index];
+  if (unit.slot == scene::kNone || !unit.posed) return;
+  const scene::Rig& rig = scene_.rigs[scene_.prefabs[unit.prefab].rig];
+  const uint64_t palette = rig.joints.size() * kRowBytes;
+  unit.previous = poses_pool_.allocate(palette + rig.weights.size() * sizeof(float) + 16, 16);
+  deforms_[index].previous_palette = unit.previous.address;
+  deforms_[index].previous_weights = unit.previous.address + palette;
+  deforms_dirty_ = true;
+}
+
+void Units::describe(shared::HistoryConstants& history) const {
+  history.moved = moved_;
+  history.unit_of_slot = unit_of_slot_buffer_ ? unit_of_slot_buffer_.address() : 0;
+  history.unit_of_slot_size = static_cast<uint32_t>(unit_of_slot_buffer_.size() / sizeof(uint32_t));
+  history.motions = motion_buffer_ ? motion_buffer_.address() : 0;
 }
 
 bool Units::pose(double time, InstanceTable& table) {
   moved_slots_.clear();
+  moved_units_.clear();
   poses_.clear();
+  moved_ = time != time_ && !std::isnan(time_);
   if (units_.empty()) return false;
   growTable();
   const bool everything = all_ || time != time_;
   const auto bring = [&](uint32_t index) {
-    const Unit& unit = units_[index];
+    Unit& unit = units_[index];
     if (unit.slot == scene::kNone) return;
     double clip_time = 0.0;
     const glm::mat4x3 transform = transformAt(unit, time, clip_time);
@@ -148,6 +203,7 @@ bool Units::pose(double time, InstanceTable& table) {
           meshes_[unit.mesh].deform == 0 ? 0 : deform_buffer_.address() + index * sizeof(shared::DeformRecord);
       table.place(unit.slot, transform, deform);
       moved_slots_.push_back(unit.slot);
+      moved_units_.push_back(index);
     }
     if (unit.posed) addPose(unit, clip_time);
   };
@@ -167,7 +223,8 @@ bool Units::pose(double time, InstanceTable& table) {
 }
 
 void Units::forget() {
-  all_ = deforms_dirty_ = true;
+  all_ = deforms_dirty_ = unit_of_slot_dirty_ = true;
+  for (Unit& unit : units_) unit.in_pose = false;
   time_ = std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -185,7 +242,9 @@ void Units::upload(gpu::Commands& commands, const InstanceTable& table) {
   for (const uint32_t slot : moved_slots_) moved_records_.push_back(table.records()[slot]);
   if (deforms_dirty_ && !deforms_.empty()) commands.upload<shared::DeformRecord>(deform_buffer_, 0, deforms_);
   deforms_dirty_ = false;
-  records_at_ = gpu::alignUp(moved_slots_.size() * sizeof(uint32_t), size_t{16});
+  if (looks_back_) uploadUnitsOfSlots(commands);
+  units_at_ = gpu::alignUp(moved_slots_.size() * sizeof(uint32_t), size_t{16});
+  records_at_ = units_at_ * 2;
   poses_at_ = gpu::alignUp(records_at_ + moved_records_.size() * sizeof(shared::InstanceRecord), size_t{16});
   const uint64_t bytes = poses_at_ + poses_.size() * sizeof(shared::PoseRecord);
   if (tick_buffer_.size() < bytes) {
@@ -194,17 +253,43 @@ void Units::upload(gpu::Commands& commands, const InstanceTable& table) {
   }
   if (!moved_slots_.empty()) {
     commands.upload(tick_buffer_, 0, std::as_bytes(std::span(moved_slots_)));
+    commands.upload(tick_buffer_, units_at_, std::as_bytes(std::span(moved_units_)));
     commands.upload(tick_buffer_, records_at_, std::as_bytes(std::span(moved_records_)));
   }
   if (!poses_.empty()) commands.upload(tick_buffer_, poses_at_, std::as_bytes(std::span(poses_)));
 }
 
-void Units::record(gpu::Commands& commands, const InstanceTable& table) const {
+void Units::uploadUnitsOfSlots(gpu::Commands& commands) {
+  const uint64_t bytes = unit_of_slot_.size() * sizeof(uint32_t);
+  if (unit_of_slot_buffer_.size() < bytes) {
+    if (unit_of_slot_buffer_) commands.retire(std::move(unit_of_slot_buffer_));
+    unit_of_slot_buffer_ =
+        gpu::Buffer(device_, {"the units of slots", bytes * 3 / 2, gpu::MemoryCategory::path_tracing});
+    commands.fill(unit_of_slot_buffer_, shared::kNoUnit);
+    commands.barrier(gpu::use::transfer_write, gpu::use::transfer_write);
+    unit_of_slot_dirty_ = true;
+  }
+  if (unit_of_slot_dirty_) {
+    commands.upload<uint32_t>(unit_of_slot_buffer_, 0, unit_of_slot_);
+  } else {
+    std::sort(unit_slots_.begin(), unit_slots_.end());
+    for (const uint32_t slot : unit_slots_)
+      commands.upload<uint32_t>(unit_of_slot_buffer_, slot, std::span(unit_of_slot_).subspan(slot, 1));
+  }
+  unit_slots_.clear();
+  unit_of_slot_dirty_ = false;
+}
+
+void Units::record(gpu::Commands& commands, const InstanceTable& table) {
+  if (table_ != table.recordBuffer().address()) moved_ = false;  // a new table has no memory of the tick before
+  table_ = table.recordBuffer().address();
   const auto groups = [](size_t threads) { return static_cast<uint32_t>((threads + 63) / 64); };
   if (!moved_slots_.empty()) {
     commands.bind(move_);
     commands.push(shared::MoveConstants{tick_buffer_.address(), tick_buffer_.address() + records_at_,
-                                        table.recordBuffer().address(), static_cast<uint32_t>(moved_slots_.size())});
+                                        table.recordBuffer().address(), tick_buffer_.address() + units_at_,
+                                        looks_back_ ? motion_buffer_.address() : 0,
+                                        static_cast<uint32_t>(moved_slots_.size())});
     commands.dispatch(groups(moved_slots_.size()));
   }
   if (!poses_.empty()) {

@@ -10,6 +10,7 @@
 #include "gpu/pipelines.h"
 #include "gpu/range_pool.h"
 #include "shared/animation.h"
+#include "shared/history.h"
 
 namespace helio::accel {
 
@@ -37,9 +38,11 @@ struct Unit {
   const scene::Route* route = nullptr;
   double route_start = 0.0, route_speed = 0.0;  ///< metres, metres a second
   uint32_t clip = 0;
-  double phase = 0.0;  ///< seconds of the clip at time 0
-  bool posed = false;  ///< it has joints or morph weights
-  gpu::Range pose;     ///< nodes, palette and weights
+  double phase = 0.0;    ///< seconds of the clip at time 0
+  bool posed = false;    ///< it has joints or morph weights
+  gpu::Range pose;       ///< nodes, palette and weights
+  gpu::Range previous;   ///< palette and weights of the tick before, while somebody looks back
+  bool in_pose = false;  ///< the GPU has a pose of it
 };
 
 /// All costs are per unit, never per instance. Transforms are found on the CPU (culling needs them), joints on the GPU.
@@ -51,6 +54,10 @@ class Units {
   /// Takes over what came, changed and went, after `table` did. `on_gone(index)` is called for each unit that is no
   /// more, before its index is used again.
   void apply(const world::ChangeSet& changes, const InstanceTable& table, const std::function<void(uint32_t)>& on_gone);
+  /// Whether somebody looks back to where units were in the tick before: only then is it kept. Before pose().
+  void lookBack(bool wanted);
+  /// Where units were, for shaders (shared/history.h). After upload().
+  void describe(shared::HistoryConstants& history) const;
   /// Brings every unit to where it is at `time`: a function of the time and the unit alone. False: nothing has changed
   /// since the last call.
   bool pose(double time, InstanceTable& table);
@@ -63,7 +70,7 @@ class Units {
   /// Records the copies (transfer writes). `table`: with this tick's places and levels of detail.
   void upload(gpu::Commands& commands, const InstanceTable& table);
   /// Compute: moved instances into the instance table, joints and weights of what is posed. After upload().
-  void record(gpu::Commands& commands, const InstanceTable& table) const;
+  void record(gpu::Commands& commands, const InstanceTable& table);
 
   /// Whether upload() and record() have something to do.
   bool dirty() const { return !moved_slots_.empty() || !poses_.empty() || deforms_dirty_; }
@@ -77,14 +84,18 @@ class Units {
                sizeof(uint32_t) +
            moved_records_.capacity() * sizeof(shared::InstanceRecord) + poses_.capacity() * sizeof(shared::PoseRecord);
   }
-  uint64_t bytes() const { return poses_pool_.bytesHeld() + deform_buffer_.size(); }
+  uint64_t bytes() const {
+    return poses_pool_.bytesHeld() + deform_buffer_.size() + motion_buffer_.size() + unit_of_slot_buffer_.size();
+  }
 
  private:
   void add(uint32_t slot, const world::Instance& instance);
   void remove(uint32_t index);
   void growTable();
   glm::mat4x3 transformAt(const Unit& unit, double time, double& clip_time) const;
-  void addPose(const Unit& unit, double clip_time);
+  void addPose(Unit& unit, double clip_time);
+  void keepPrevious(uint32_t index);
+  void uploadUnitsOfSlots(gpu::Commands& commands);
 
   gpu::Device& device_;
   const scene::Scene& scene_;
@@ -103,12 +114,22 @@ class Units {
   bool deforms_dirty_ = false;
   std::vector<uint32_t> fresh_;  // units that came since the last pose()
 
+  // Looking back.
+  bool looks_back_ = false;
+  bool moved_ = false;                // time went on at the last pose()
+  gpu::Buffer motion_buffer_;         // shared::MotionRecord a unit
+  gpu::Buffer unit_of_slot_buffer_;   // unit_of_slot_
+  std::vector<uint32_t> unit_slots_;  // entries of it that changed
+  bool unit_of_slot_dirty_ = false;   // all of it is to be uploaded
+  VkDeviceAddress table_ = 0;         // of the instances, when they were last written
+
   // Of this tick.
   std::vector<uint32_t> moved_slots_;
   std::vector<shared::InstanceRecord> moved_records_;
   std::vector<shared::PoseRecord> poses_;
   gpu::Buffer tick_buffer_;
-  uint64_t records_at_ = 0, poses_at_ = 0;
+  std::vector<uint32_t> moved_units_;
+  uint64_t units_at_ = 0, records_at_ = 0, poses_at_ = 0;
 
   gpu::ComputePipeline move_, pose_;
 };

@@ -4,11 +4,14 @@
 #include "render/passes/accumulate.h"
 #include "render/passes/bare_trace.h"
 #include "render/passes/exposure.h"
+#include "render/passes/inspect.h"
+#include "render/passes/motion.h"
 #include "render/passes/path_trace.h"
 #include "render/passes/primary_raster.h"
 #include "render/passes/primary_traced.h"
 #include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
+#include "render/passes/svgf.h"
 #include "render/passes/tonemap.h"
 
 namespace helio::render {
@@ -19,21 +22,31 @@ struct Passes {
         primary_raster(device),
         shadow_map(device),
         primary_traced(device),
+        motion(device),
         path_trace(device),
         accumulate(device),
         statistics(device),
         exposure(device),
         tonemap(device),
+        svgf(device),
+        inspect(device),
         bare_trace(device) {}
+
+  /// Null: light stays as it was sampled.
+  const DenoiserPasses* denoiser(Denoiser which) const { return which == Denoiser::svgf ? &svgf : nullptr; }
+
   CullPipelines culling;
   PrimaryRaster primary_raster;
   ShadowMapPass shadow_map;
   PrimaryTraced primary_traced;
+  Motion motion;
   PathTrace path_trace;
   Accumulate accumulate;
   Statistics statistics;
   Exposure exposure;
   Tonemap tonemap;
+  Svgf svgf;
+  InspectPass inspect;
   BareTrace bare_trace;
 };
 

@@ -11,6 +11,7 @@
 #include "base/result.h"
 #include "render/material_override.h"
 #include "scene/scene.h"
+#include "shared/history.h"
 #include "world/world.h"
 
 namespace helio::render {
@@ -29,6 +30,24 @@ enum class SunShadow {
   rays,          ///< soft, by rays
   rays_and_map,  ///< as well as by a shadow map of what rays cannot meet (a hard shadow: biased)
   map,           ///< by a shadow map of everything, without a ray (biased)
+};
+
+/// What turns one sample a pixel into a picture that is good to look at. Biased; not in reference mode.
+enum class Denoiser {
+  none,
+  svgf,  ///< spatiotemporal variance-guided filtering [Schied et al. 2017]
+};
+/// Plain numbers in the picture's place (shaders/shared/history.h says which): for tests and for the curious.
+enum class Inspect : uint32_t {
+  nothing = shared::kInspectNothing,
+  motion = shared::kInspectMotion,
+  position = shared::kInspectPosition,
+  before = shared::kInspectBefore,
+  unfiltered = shared::kInspectUnfiltered,
+  // What a denoiser has.
+  diffuse = shared::kInspectDiffuse,
+  specular = shared::kInspectSpecular,
+  samples = shared::kInspectSamples,
 };
 
 /// A viewer's settings. A change of size, mode, primary, bounces or materials restarts
@@ -57,7 +76,10 @@ struct ViewSettings {
   bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
                                  ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
-  bool accumulate = true;                               ///< average over ticks while camera and world stand still
+  Denoiser denoiser = Denoiser::none;
+  Inspect inspect = Inspect::nothing;  ///< not in reference mode
+  bool poison_history = false;         ///< a test's hook: makes NaN of what a denoiser kept, ahead of this tick
+  bool accumulate = true;              ///< average over ticks while camera and world stand still
   bool auto_exposure = true;
   float exposure_ev = 0.0f;    ///< fixed: radiance is scaled by 2^ev; automatic: compensation, [-16, 16]
   bool keep_radiance = false;  ///< also hand out linear radiance (shot, fidelity, tests)
@@ -149,6 +171,7 @@ struct FrameStats {
   uint32_t tlas_instances = 0;
   uint64_t triangles_drawn = 0;  ///< rasterised
   double exposure = 1.0;         ///< factor on radiance
+  uint64_t history_bytes = 0;    ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
   MemoryUse memory;
   AccelerationUse acceleration;
 };

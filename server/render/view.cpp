@@ -19,7 +19,13 @@ bool continues(const ViewSettings& a, const ViewSettings& b) {
          a.round_surfaces == b.round_surfaces && a.multiple_scattering == b.multiple_scattering &&
          a.regularisation == b.regularisation && a.sun_shadow == b.sun_shadow &&
          a.shadow_map_size == b.shadow_map_size && a.levels_of_detail == b.levels_of_detail &&
-         a.materials == b.materials && a.accumulate == b.accumulate;
+         a.materials == b.materials && a.accumulate == b.accumulate && looksBack(a) == looksBack(b);
+}
+
+/// Numbers of any sign, which are no light.
+bool showsNumbers(Inspect inspect) {
+  return inspect == Inspect::motion || inspect == Inspect::position || inspect == Inspect::before ||
+         inspect == Inspect::samples;
 }
 
 /// Low-discrepancy points of the unit square: the R2 sequence [Roberts 2018], from the centre on.
@@ -61,19 +67,27 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
 }
 
 void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
-                 uint32_t ray_log_stride) {
+                 uint64_t tick, uint32_t ray_log_stride) {
   const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
   jumped_ = resized || isJump(camera_, camera);
   const bool goes_on = !resized && !scene_changed && same(camera_, camera) && continues(settings_, settings);
   const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
-  const bool was_accumulating = accumulating();
+  const bool was_accumulating = averaging();
+  const bool same_light = !resized && continues(settings_, settings);
   camera_ = camera;
   settings_ = settings;
   if (showsProperty(settings.materials)) {  // numbers, not light
     settings_.auto_exposure = false;
     settings_.exposure_ev = 0.0f;
   }
+  if (settings.mode == Mode::reference || showsProperty(settings.materials)) {
+    settings_.denoiser = Denoiser::none;
+    settings_.inspect = Inspect::nothing;
+  }
+  if (showsNumbers(settings_.inspect)) settings_.auto_exposure = false;
   if (resized) createTargets(commands);
+  histories.begin(commands, camera, settings_, tick, same_light,
+                  settings_.auto_exposure ? last_exposure_ : std::exp2(settings_.exposure_ev));
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
   if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;
@@ -104,7 +118,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
 }
 
 void View::createTargets(gpu::Commands& commands) {
-  forget();  // should an allocation below fail, the next tick begins here again
+  pixels = {};  // should an allocation below fail, the next tick begins here again
   const uint32_t w = settings_.width, h = settings_.height;
   const uint64_t texels = uint64_t{w} * h;
   const auto target = [&](const char* name, VkFormat format, VkImageUsageFlags usage, gpu::MemoryCategory category) {
@@ -144,7 +158,8 @@ shared::SampleConstants View::nextSample() {
   // A moving picture is sampled at the pixel's centre, a still one all over the pixel. A rasterised picture has one
   // position for a whole tick.
   const bool own_hits = settings_.primary == Primary::traced || reference;
-  sample.jitter = accumulating() && own_hits ? glm::vec2(-1.0f) : tick_jitter_;
+  // What looks back knows one surface a pixel and tick.
+  sample.jitter = accumulating() && own_hits && !looksBack(settings_) ? glm::vec2(-1.0f) : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;
   return sample;
@@ -158,9 +173,10 @@ shared::SampleConstants View::finalConstants() const {
   constants_.adaptation = jumped_ || settings_.mode == Mode::reference ? 1.0f : kAdaptation;
   constants_.auto_exposure = settings_.auto_exposure;
   constants_.source = shown().slot();
-  constants_.curve = !showsProperty(settings_.materials) ? shared::kCurveTone
-                     : showsColor(settings_.materials)   ? shared::kCurveColor
-                                                         : shared::kCurveNone;
+  constants_.curve = showsNumbers(settings_.inspect)       ? shared::kCurveSigned
+                     : !showsProperty(settings_.materials) ? shared::kCurveTone
+                     : showsColor(settings_.materials)     ? shared::kCurveColor
+                                                           : shared::kCurveNone;
   return constants_;
 }
 

@@ -7,6 +7,7 @@
 #include "gpu/commands.h"
 #include "gpu/memory.h"
 #include "render/draw_lists.h"
+#include "render/histories.h"
 #include "render/renderer.h"
 #include "shared/frame.h"
 
@@ -32,11 +33,11 @@ class PixelPool : public std::enable_shared_from_this<PixelPool> {
 
 class View {
  public:
-  explicit View(std::shared_ptr<gpu::Device> device) : device_(std::move(device)) {}
+  explicit View(std::shared_ptr<gpu::Device> device) : histories(*device), device_(std::move(device)) {}
 
   /// Makes the targets fit, decides whether accumulation goes on, and starts a tick.
   void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
-             uint32_t ray_log_stride);
+             uint64_t tick, uint32_t ray_log_stride);
 
   // ---- Targets (shaders/shared/frame.h says what each holds) ----
   gpu::Image visibility, depth, radiance, accumulation, path_info;
@@ -48,14 +49,22 @@ class View {
   DrawLists shadow_draws;
   gpu::Buffer state_readback, radiance_readback;
   std::shared_ptr<PixelPool::Lease> pixels_readback;
+  Histories histories;
 
   const scene::Camera& camera() const { return camera_; }
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
   bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }
   /// After a tick that failed: everything is made anew at the next.
-  void forget() { pixels = {}; }
-  const gpu::Image& shown() const { return accumulating() ? accumulation : radiance; }
+  void forget() {
+    pixels = {};
+    histories.forget();
+  }
+  /// Live, and nothing has changed since the last tick: samples are averaged from tick to tick.
+  bool still() const { return still_; }
+  /// What is denoised or inspected takes the sample's place; its plain mean serves a picture that stands still alone.
+  bool averaging() const { return looksBack(settings_) ? still_ : accumulating(); }
+  const gpu::Image& shown() const { return accumulating() && !looksBack(settings_) ? accumulation : radiance; }
 
   /// Push constants of the next sample of this tick.
   shared::SampleConstants nextSample();

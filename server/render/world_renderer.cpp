@@ -91,7 +91,8 @@ void WorldRenderer::warmUp() {
       commands_.begin();
       Graph graph;
       addWorldPasses(graph);
-      view.begin(commands_, scene_->cameras.front().camera, settings, true, PathTrace::rayLogStride(settings.bounces));
+      view.begin(commands_, scene_->cameras.front().camera, settings, true, 0,
+                 PathTrace::rayLogStride(settings.bounces));
       Work work{view, 0, {}};
       addViewPasses(graph, work);
       graph.record(commands_);
@@ -134,6 +135,8 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   units_.apply(changes, instances_, [this](uint32_t unit) { own_blases_.release(unit); });
   const bool edited = instances_.dirty();
   if (edited) draw_table_.invalidate();
+  units_.lookBack(std::any_of(requests.begin(), requests.end(),
+                              [](const ViewRequest& request) { return looksBack(request.settings); }));
   const bool moved = units_.pose(changes.time, instances_);
   std::vector<accel::Viewpoint> viewers;
   for (const ViewRequest& request : requests) viewers.push_back(viewpointOf(request));
@@ -174,7 +177,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   work.reserve(requests.size());
   for (const ViewRequest& request : requests) {
     View& view = *views_.at(request.view);
-    view.begin(commands_, request.camera, request.settings, scene_changed,
+    view.begin(commands_, request.camera, request.settings, scene_changed, changes.tick,
                PathTrace::rayLogStride(request.settings.bounces));
     work.push_back({view, static_cast<int>(work.size()), {}});
     addViewPasses(graph, work.back());
@@ -266,16 +269,20 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   const bool shadow_map = usesShadowMap(settings, effects_);
   for (uint32_t i = 0; i < settings.samples; ++i) {
     work.samples.push_back(view.nextSample());
+    work.samples.back().tick_sample = i;
     const shared::SampleConstants& sample = work.samples.back();
     if (!usesRaster(settings)) { passes_.primary_traced.add(pass, sample, effects_); }
     // Once a tick; the samples share what is rasterised.
     if (i == 0 && (usesRaster(settings) || shadow_map)) addRasterPasses(pass, sample.jitter);
     passes_.path_trace.add(pass, sample, effects_);
     passes_.statistics.add(pass, sample);
-    if (view.accumulating()) passes_.accumulate.add(pass, sample);
+    if (view.averaging()) passes_.accumulate.add(pass, sample);
   }
 
   const shared::SampleConstants last = view.finalConstants();
+  if (looksBack(settings)) passes_.motion.add(pass, work.samples.back());
+  if (const DenoiserPasses* denoiser = passes_.denoiser(settings.denoiser)) denoiser->add(pass, last);
+  if (settings.inspect != Inspect::nothing) passes_.inspect.add(pass, work.samples.back());
   if (settings.auto_exposure) passes_.exposure.add(pass, last);
   passes_.tonemap.add(pass, last);
   graph.add("read_back", work.owner,
@@ -382,6 +389,12 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.pixels = view.pixels.address();
   c.ray_log = view.ray_log ? view.ray_log.address() : 0;
   c.ray_log_stride = PathTrace::rayLogStride(settings.bounces);
+  if (looksBack(settings)) {
+    shared::HistoryConstants history = view.histories.constants();
+    units_.describe(history);
+    commands.upload<shared::HistoryConstants>(view.histories.buffer, 0, std::span(&history, 1));
+    c.history = view.histories.buffer.address();
+  }
   commands.upload<shared::FrameConstants>(view.constants, 0, std::span(&c, 1));
 
   constexpr uint64_t kCounters = offsetof(shared::ViewState, bounce_rays);
@@ -441,6 +454,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
       tlas_.scratchBytes() + own_blases_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
           view.shadow_draws.bytes(),
       instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + detail_.cpuBytes() + draw_table_.cpuBytes()};
+  stats.history_bytes = view.histories.bytes();
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));
 

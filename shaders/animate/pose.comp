@@ -15,7 +15,7 @@ layout(buffer_reference, scalar) readonly buffer ChannelTable { ChannelRecord it
 layout(buffer_reference, scalar) readonly buffer JointTable { JointRecord items[]; };
 layout(buffer_reference, scalar) readonly buffer NumberTable { float items[]; };
 layout(buffer_reference, scalar) buffer RowTable { vec4 rows[]; };
-layout(buffer_reference, scalar) writeonly buffer WeightTable { float items[]; };
+layout(buffer_reference, scalar) buffer WeightTable { float items[]; };
 layout(push_constant, scalar) uniform Pose { PoseConstants constants; };
 
 struct Span {
@@ -94,7 +94,8 @@ void main() {
   const PoseRecord pose = PoseTable(constants.poses).items[gl_GlobalInvocationID.x];
   const ClipRecord clip = ClipRef(pose.clip).clip;
   NumberTable numbers = NumberTable(clip.numbers);
-  RowTable nodes = RowTable(pose.nodes), palette = RowTable(pose.palette);
+  RowTable nodes = RowTable(pose.nodes), palette = RowTable(pose.palette), previous_palette = RowTable(pose.previous_palette);
+  const bool keeps = pose.previous_palette != 0ul;
 
   for (uint n = 0u; n < clip.node_count; ++n) {
     const ClipNode node = NodeTable(clip.nodes).items[n];
@@ -125,12 +126,17 @@ void main() {
     vec4 node[3], rows[3];
     for (int i = 0; i < 3; ++i) node[i] = nodes.rows[3u * joint.node + i];
     concatenate(node, joint.inverse_bind, rows);
-    for (int i = 0; i < 3; ++i) palette.rows[3u * j + i] = rows[i];
+    for (int i = 0; i < 3; ++i) {
+      if (keeps) previous_palette.rows[3u * j + i] = pose.first != 0u ? rows[i] : palette.rows[3u * j + i];
+      palette.rows[3u * j + i] = rows[i];
+    }
   }
   for (uint k = 0u; k < clip.weight_count; ++k) {
     float weight = numbers.items[clip.rest_weights + k];
     if (clip.weight_channel != kNoNode)
       weight = sampleChannel(numbers, ChannelTable(clip.channels).items[clip.weight_channel], pose.time, k, 1u, clip.weight_count).x;
-    WeightTable(pose.weights).items[k] = weight;
+    WeightTable weights = WeightTable(pose.weights);
+    if (keeps) WeightTable(pose.previous_weights).items[k] = pose.first != 0u ? weight : weights.items[k];
+    weights.items[k] = weight;
   }
 }

@@ -25,5 +25,7 @@ layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;
 layout(constant_id = 41) const bool kSkySampling = true;
 layout(constant_id = 42) const bool kMultipleScattering = true;
 layout(constant_id = 45) const bool kManyLamps = false;
+// Light by the first vertex's diffuse and specular lobes is kept apart, without albedos (shared/history.h).
+layout(constant_id = 48) const bool kSplit = false;
 
 #endif

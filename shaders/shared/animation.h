@@ -88,6 +88,9 @@ struct DeformRecord {
   uint64_t positions;  // vec3 a vertex, deformed in this tick; 0: not in a BLAS
   uint64_t blas;       // device address; 0: rays do not meet it
   uint vertex_count;   // of `positions`: a coarse level has the first of the mesh's vertices
+  // Of the tick before; 0: nobody looks back, or it has none.
+  uint64_t previous_palette;
+  uint64_t previous_weights;
 };
 
 // Instances whose records changed: `records[i]` goes to slot `slots[i]`.
@@ -95,16 +98,21 @@ struct MoveConstants {
   uint64_t slots;      // uint
   uint64_t records;    // InstanceRecord
   uint64_t instances;  // InstanceRecord, by slot
+  uint64_t units;      // uint: of which unit record i is
+  uint64_t motions;    // MotionRecord (shared/history.h) a unit: takes what is overwritten; 0: nobody looks back
   uint count;
 };
 
 // A unit to pose in this tick.
 struct PoseRecord {
-  uint64_t clip;     // ClipRecord
-  uint64_t nodes;    // scratch: three rows a node
-  uint64_t palette;  // written
-  uint64_t weights;  // written
-  float time;        // within the clip, seconds
+  uint64_t clip;              // ClipRecord
+  uint64_t nodes;             // scratch: three rows a node
+  uint64_t palette;           // written
+  uint64_t weights;           // written
+  uint64_t previous_palette;  // takes what is overwritten; 0: nobody looks back
+  uint64_t previous_weights;
+  float time;  // within the clip, seconds
+  uint first;  // 1: there is no pose to overwrite, this is the previous one too
 };
 
 struct PoseConstants {

@@ -71,6 +71,7 @@ struct FrameConstants {
   uint64_t pixels;   // one RGBA8 word a pixel
   uint64_t ray_log;  // RayLogEntry: ray_log_stride a pixel
   uint ray_log_stride;
+  uint64_t history;  // HistoryConstants (shared/history.h); 0: this view does not look back
 };
 
 HELIO_CONSTANT kNothing = 0xffffffffu;
@@ -111,11 +112,13 @@ struct SampleConstants {
   uint launch;
   uint first_vertex;
   uint last_vertex;
+  uint tick_sample;  // samples of this tick before this one
 };
 
-HELIO_CONSTANT kCurveTone = 0u;   // exposure, tone curve, sRGB
-HELIO_CONSTANT kCurveColor = 1u;  // sRGB alone
-HELIO_CONSTANT kCurveNone = 2u;   // values as they are
+HELIO_CONSTANT kCurveTone = 0u;    // exposure, tone curve, sRGB
+HELIO_CONSTANT kCurveColor = 1u;   // sRGB alone
+HELIO_CONSTANT kCurveNone = 2u;    // values as they are
+HELIO_CONSTANT kCurveSigned = 3u;  // numbers of any size and sign: 0 is middle grey
 
 struct RayLogEntry {
   vec3 origin;

@@ -29,8 +29,9 @@ void main() {
   const float exposure = push.auto_exposure != 0u ? ViewStateRef(frame.view_state).state.exposure : push.exposure_bias;
   const vec3 radiance = imageLoad(images_rgba32f[push.source], ivec2(pixel)).rgb;
   vec3 display = clamp(push.curve == kCurveTone ? pbrNeutral(radiance * exposure) : radiance, 0.0, 1.0);
-  if (push.curve != kCurveNone) display = toSrgb(display);
+  if (push.curve == kCurveSigned) display = 0.5 + 0.5 * radiance / (1.0 + abs(radiance));
+  else if (push.curve != kCurveNone) display = toSrgb(display);
   // Half a step of noise, the same in every frame, hides the steps that 8 bits make of a smooth sky. Numbers have none.
-  const float noise = push.curve == kCurveNone ? 0.0 : randomAt(pixel, 0u, 0u).x - 0.5;
+  const float noise = push.curve == kCurveNone || push.curve == kCurveSigned ? 0.0 : randomAt(pixel, 0u, 0u).x - 0.5;
   PixelTable(frame.pixels).items[pixel.y * frame.width + pixel.x] = packUnorm4x8(vec4(display + noise / 255.0, 1.0));
 }

@@ -214,7 +214,7 @@ TEST(Numerics, ABrokenHistoryBeginsAgain) {
   };
 
   commands.begin();
-  view.begin(commands, kDown, settings, true, 1);
+  view.begin(commands, kDown, settings, true, 0, 1);
   shared::FrameConstants constants{};
   constants.width = constants.height = kSize;
   constants.radiance = view.radiance.slot();

@@ -12,7 +12,8 @@ namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
-                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kSunShadowConstant = 46, kConstants = 47;
+                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kSunShadowConstant = 46,
+                 kSplitConstant = 48, kConstants = 49;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -58,6 +59,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kMultipleScatteringConstant] = settings.multiple_scattering;
   constants[kManyLampsConstant] = settings.lamp_samples != 1;
   if (usesShadowMap(settings, effects)) constants[kSunShadowConstant] = static_cast<uint32_t>(settings.sun_shadow);
+  constants[kSplitConstant] = splitsLight(settings) && !log_rays;
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
@@ -114,6 +116,9 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {&pass.paths, kQueueUse},
                   {&view.radiance, gpu::use::ray_write},
                   {&view.path_info, kPathUse},
+                  // Light by lobe, and the surfaces that belong to it.
+                  {&view.histories.diffuse, gpu::use::ray_write},
+                  {&view.histories.surface(), gpu::use::ray_write},
                   {&view.state, gpu::use::ray_write}},
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
                    record(commands, pipeline, view, paths, sample);

@@ -1,0 +1,69 @@
+// What a view keeps of the tick before, for passes that look back: motion vectors, surfaces, light by lobe, what a
+// denoiser has gathered. Made when the settings call for it, and gone when they do not.
+#pragma once
+
+#include <array>
+
+#include "gpu/commands.h"
+#include "gpu/memory.h"
+#include "render/renderer.h"
+#include "shared/history.h"
+
+namespace helio::render {
+
+/// The settings call for the tick before: where things were, at least.
+inline bool looksBack(const ViewSettings& settings) {
+  return settings.denoiser != Denoiser::none || settings.inspect != Inspect::nothing;
+}
+/// The settings call for light by the first vertex's lobes.
+inline bool splitsLight(const ViewSettings& settings) {
+  return settings.denoiser != Denoiser::none || settings.inspect == Inspect::unfiltered;
+}
+
+class Histories {
+ public:
+  explicit Histories(gpu::Device& device) : device_(&device) {}
+
+  /// Starts a tick. `goes_on`: what was kept shows this world under these settings at this size, if it is of the tick
+  /// before. `exposure`: about what the picture will have, a factor on radiance. Allocates, and records what new images
+  /// need.
+  void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, uint64_t tick,
+             bool goes_on, float exposure);
+  /// After a tick that failed.
+  void forget() { known_ = false; }
+
+  /// Of this tick, with the images' slots; where units were is left to the caller.
+  const shared::HistoryConstants& constants() const { return constants_; }
+  /// Bytes of all images.
+  uint64_t bytes() const { return bytes_; }
+
+  gpu::Buffer buffer;  // shared::HistoryConstants
+  // shaders/shared/history.h says what each holds. `integrated` and `filtered`: diffuse, specular.
+  gpu::Image motion, albedos, emission, diffuse, specular;
+  std::array<gpu::Image, 2> integrated, filtered;
+  const gpu::Image& surface() const { return surfaces_[now_]; }
+  const gpu::Image& previousSurface() const { return surfaces_[1 - now_]; }
+  const gpu::Image& moments() const { return moments_[now_]; }
+  const gpu::Image& previousMoments() const { return moments_[1 - now_]; }
+  const gpu::Image& samples() const { return samples_[now_]; }
+  const gpu::Image& previousSamples() const { return samples_[1 - now_]; }
+
+ private:
+  void makeImages(gpu::Commands& commands, const ViewSettings& settings);
+  void poison(gpu::Commands& commands) const;
+  void describeImages();
+
+  gpu::Device* device_;
+  std::array<gpu::Image, 2> surfaces_, moments_, samples_;  // of this tick and the one before, which take turns
+  size_t now_ = 0;
+  shared::HistoryConstants constants_{};
+  scene::Camera camera_;
+  uint32_t width_ = 0, height_ = 0;
+  bool split_ = false;
+  Denoiser denoiser_ = Denoiser::none;
+  uint64_t tick_ = 0;
+  bool known_ = false;  // the tick before was kept
+  uint64_t bytes_ = 0;
+};
+
+}  // namespace helio::render

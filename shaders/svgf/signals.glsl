@@ -1,0 +1,35 @@
+// What the passes of SVGF [Schied et al. 2017, Spatiotemporal variance-guided filtering] share. Two signals, diffuse and specular
+// light without albedos, take every step together: they share the edges.
+#ifndef HELIO_SVGF_SIGNALS_GLSL
+#define HELIO_SVGF_SIGNALS_GLSL
+#include "lib/history.glsl"
+
+const uint kSignals = 2u;
+// [Schied et al. 2017, section 4.4]
+const float kSigmaDepth = 1.0;
+const int kLog2SigmaNormal = 7;  // 128
+const float kSigmaLuminance = 4.0;
+
+struct SurfaceTexel {
+  vec3 normal;
+  float depth;  // metres; 0: nothing is there
+  uint instance;
+};
+
+SurfaceTexel readSurface(uint image, ivec2 pixel) {
+  const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
+  return SurfaceTexel(surfaceNormal(texel.x), uintBitsToFloat(texel.y), surfaceInstance(texel.x));
+}
+
+// How alike two texels' geometry is, `pixels` apart on the screen [section 4.4, eq. 3 and 4]. `gradient`: of depth, metres a
+// pixel.
+float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) {
+  if (b.depth == 0.0) return 0.0;
+  // A plane's depth is known only as well as floats and the pixel's position in it are.
+  const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * a.depth;
+  float alike = max(dot(a.normal, b.normal), 0.0);
+  for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
+  return alike * exp(-abs(a.depth - b.depth) / tolerance);
+}
+
+#endif

@@ -1,0 +1,256 @@
+// Light by lobe adds up to the picture, and what SVGF makes of it is near the truth, whatever happens to camera and
+// world.
+#include <cmath>
+#include <functional>
+
+#include "support/likeness.h"
+#include "support/scenes.h"
+#include "support/stage.h"
+
+namespace helio::test {
+namespace {
+
+using render::Denoiser;
+using render::Inspect;
+using render::Primary;
+
+constexpr uint32_t kWidth = 96, kHeight = 54;
+const scene::Camera kCamera = lookAt({0.4f, 1.6f, 4.2f}, {0, 0.6f, 0});
+
+render::ViewSettings live(Denoiser denoiser, Primary primary = Primary::traced) {
+  render::ViewSettings settings;
+  settings.width = kWidth;
+  settings.height = kHeight;
+  settings.primary = primary;
+  settings.denoiser = denoiser;
+  settings.auto_exposure = false;
+  settings.keep_radiance = true;
+  settings.accumulate = false;
+  return settings;
+}
+
+/// Mean over pixels and channels of (a - b)^2 / (b^2 + 0.01).
+double relativeMse(const render::Frame& a, const render::Frame& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.radiance.size(); ++i) {
+    const double value = static_cast<double>(b.radiance[i]), difference = static_cast<double>(a.radiance[i]) - value;
+    sum += difference * difference / (value * value + 0.01);
+  }
+  return sum / static_cast<double>(a.radiance.size());
+}
+
+size_t brokenTexels(const render::Frame& frame) {
+  size_t count = 0;
+  for (const float value : frame.radiance) count += !std::isfinite(value) || value < 0.0f;
+  return count;
+}
+
+render::Frame truth(const scene::ScenePtr& scene, const scene::Camera& camera) {
+  Stage stage(scene);
+  render::ViewSettings settings = referenceSettings(kWidth, kHeight);
+  settings.bounces = 3;
+  settings.samples = 64;
+  settings.roulette = true;
+  return stage.accumulate(camera, settings, 12);
+}
+
+TEST(Split, LightByLobeTimesAlbedosAddsUpToThePicture) {
+  for (const scene::ScenePtr& scene : {stillLife(), lampRoom(), sunlitPatch()}) {
+    for (const uint32_t samples : {1u, 3u}) {
+      Stage whole(scene), apart(scene);
+      // Rasterised, so that all samples of a tick see the same points.
+      render::ViewSettings settings = live(Denoiser::none, Primary::raster);
+      settings.samples = samples;
+      const render::Frame expected = whole.tick(kCamera, settings);
+      settings.inspect = Inspect::unfiltered;
+      const render::Frame found = apart.tick(kCamera, settings);
+      size_t wrong = 0;
+      for (size_t i = 0; i < expected.radiance.size(); ++i)  // each part is rounded to 11 bits, some thrice
+        wrong += !(std::abs(found.radiance[i] - expected.radiance[i]) <= 3e-3f * expected.radiance[i] + 1e-5f);
+      // Variants of a shader round differently: some path somewhere decides differently.
+      EXPECT_LE(wrong, expected.radiance.size() / 1000) << samples << " samples a tick";
+    }
+  }
+}
+
+TEST(Split, LightIsWithoutTheAlbedo) {
+  // Lambert of any colour under a sky of radiance 1: what arrives is 1, and nothing of it by a specular lobe.
+  SceneBuilder builder;
+  scene::Texture checks{"checks", 8, 8, {}, true};
+  for (uint32_t i = 0; i < 64; ++i)
+    checks.rgba.insert(checks.rgba.end(), {static_cast<uint8_t>(40 + 3 * i), 120, 60, 255});
+  scene::Material textured = lambert(glm::vec3(1.0f));
+  textured.base_color_texture = builder.texture(checks);
+  builder.place(builder.prefab("floor", quad(4.0f), builder.material(textured)));
+  builder.environment().sky = {glm::vec3(1.0f), glm::vec3(1.0f)};
+  Stage stage(builder.build());
+  const scene::Camera above = lookAt({0, 1.5f, 0}, {0, 0, 0});
+  render::ViewSettings settings = live(Denoiser::svgf);
+  settings.inspect = Inspect::diffuse;
+  settings.roulette = false;
+  for (const float value : stage.tick(above, settings).radiance) ASSERT_NEAR(value, 1.0f, 0.01f);
+  settings.inspect = Inspect::specular;
+  for (const float value : stage.tick(above, settings).radiance) ASSERT_EQ(value, 0.0f);
+}
+
+TEST(Svgf, IsNearTheTruthAtRest) {
+  struct Case {
+    const char* name;
+    scene::ScenePtr scene;
+    double better;  // than one sample, after 8 ticks
+  };
+  // What is left of the second case's error are edges: the truth smooths them, one position a pixel does not.
+  for (const auto& [name, scene, better] :
+       {Case{"lamp_room", lampRoom(), 20.0}, Case{"sunlit_patch", sunlitPatch(), 5.0}}) {
+    const render::Frame reference = truth(scene, kCamera);
+    Stage raw(scene), denoised(scene);
+    const double noise = relativeMse(raw.tick(kCamera, live(Denoiser::none)), reference);
+    render::Frame frame;
+    for (int tick = 1; tick <= 32; ++tick) {
+      frame = denoised.tick(kCamera, live(Denoiser::svgf));
+      EXPECT_EQ(brokenTexels(frame), 0u);
+      if (tick != 1 && tick != 8 && tick != 32) continue;
+      const double error = relativeMse(frame, reference);
+      std::printf("%s, tick %d: relative MSE %.5f of %.4f (1/%.0f), similarity %.3f\n", name, tick, error, noise,
+                  noise / error, structuralSimilarity(*frame.pixels, *reference.pixels));
+      EXPECT_LT(error, noise / (tick == 1 ? 0.4 * better : better)) << name << ", tick " << tick;
+      EXPECT_NEAR(mean(frame).y / mean(reference).y, 1.0f, 0.08f) << name << ", tick " << tick;
+    }
+    showPicture(frame, std::string("svgf_") + name);
+    showPicture(reference, std::string("truth_") + name);
+    EXPECT_GT(structuralSimilarity(*frame.pixels, *reference.pixels), 0.7);  // the truth has noise of its own
+  }
+}
+
+TEST(Svgf, APictureThatStandsStillConverges) {
+  const scene::ScenePtr scene = lampRoom();
+  render::ViewSettings settings = live(Denoiser::svgf, Primary::raster);  // the same positions in the pixel
+  settings.width = settings.height = 24;
+  settings.bounces = 0;  // little noise is left of so many samples
+  settings.accumulate = true;
+  settings.samples = 64;
+  Stage denoised(scene);
+  const render::Frame end = denoised.accumulate(kCamera, settings, 18);  // beyond 1024 samples
+  settings.denoiser = Denoiser::none;
+  Stage plain(scene);
+  const render::Frame expected = plain.accumulate(kCamera, settings, 18);
+  EXPECT_LT(relativeMse(end, expected), 2e-3);
+  settings.denoiser = Denoiser::svgf;
+  settings.samples = 1;
+  Stage early(scene);
+  EXPECT_GT(relativeMse(early.accumulate(kCamera, settings, 18), expected),
+            5e-3);  // the test can see what filters leave
+}
+
+TEST(Svgf, WhatIsBrokenInTheHistoryDoesNotSpread) {
+  Stage stage(lampRoom());
+  render::ViewSettings settings = live(Denoiser::svgf);
+  const render::Frame before = stage.accumulate(kCamera, settings, 6);
+  settings.poison_history = true;
+  const render::Frame after = stage.tick(kCamera, settings);
+  EXPECT_EQ(brokenTexels(after), 0u);
+  EXPECT_NEAR(mean(after).y / mean(before).y, 1.0f, 0.15f);
+  settings.poison_history = false;
+  settings.inspect = Inspect::samples;
+  const render::Frame samples = stage.tick(kCamera, settings);  // all of them began again
+  for (size_t i = 0; i < samples.radiance.size(); i += 3) ASSERT_LE(samples.radiance[i], 2.0f);
+}
+
+TEST(Svgf, GathersSamplesAlongTheMotionOfTheCamera) {
+  Stage stage(sunlitPatch());
+  render::ViewSettings settings = live(Denoiser::svgf);
+  render::Frame frame;
+  for (int tick = 0; tick < 8; ++tick) {
+    settings.inspect = tick == 7 ? Inspect::samples : Inspect::nothing;
+    const float t = 0.02f * static_cast<float>(tick);
+    frame = stage.tick(lookAt({0.4f + t, 1.6f, 4.2f}, {t, 0.6f, 0}), settings);
+  }
+  size_t surfaces = 0, followed = 0;
+  for (size_t i = 0; i < frame.radiance.size(); i += 3) {
+    surfaces += frame.radiance[i] > 0.0f;
+    followed += frame.radiance[i] > 6.5f;
+  }
+  EXPECT_GT(static_cast<double>(followed), 0.85 * static_cast<double>(surfaces));
+}
+
+TEST(Svgf, HardHistoriesLeaveNumbers) {
+  struct Change {
+    const char* name;
+    std::function<void(Stage&, scene::Camera&, render::ViewSettings&)> make;
+  };
+  const std::vector<Change> changes = {
+      {"jump",
+       [](Stage&, scene::Camera& camera, render::ViewSettings&) {
+         camera = lookAt({60.0f, 9.0f, 40.0f}, {0, 0, 0});
+       }},
+      {"inside a box",
+       [](Stage&, scene::Camera& camera, render::ViewSettings&) {
+         camera.position = {-0.9f, 0.7f, -0.7f};
+       }},
+      {"resize",
+       [](Stage&, scene::Camera&, render::ViewSettings& settings) { settings.width /= 2, settings.height /= 2; }},
+      {"exposure up", [](Stage&, scene::Camera&, render::ViewSettings& settings) { settings.exposure_ev = 10.0f; }},
+      {"exposure down", [](Stage&, scene::Camera&, render::ViewSettings& settings) { settings.exposure_ev = -10.0f; }},
+      {"no time", [](Stage& stage, scene::Camera&, render::ViewSettings&) { stage.setStep(0.0); }},
+      {"ten seconds", [](Stage& stage, scene::Camera&, render::ViewSettings&) { stage.setStep(10.0); }},
+      {"raster", [](Stage&, scene::Camera&, render::ViewSettings& settings) { settings.primary = Primary::raster; }},
+      {"off and on", [](Stage& stage, scene::Camera& camera, render::ViewSettings& settings) {
+         render::ViewSettings off = settings;
+         off.denoiser = Denoiser::none;
+         EXPECT_EQ(stage.tick(camera, off).stats.history_bytes, 0u);
+       }}};
+  for (const Change& change : changes) {
+    Stage stage(lampRoom());
+    scene::Camera camera = kCamera;
+    render::ViewSettings settings = live(Denoiser::svgf);
+    const render::Frame before = stage.accumulate(camera, settings, 4);
+    change.make(stage, camera, settings);
+    for (int tick = 0; tick < 2; ++tick) {
+      const render::Frame after = stage.tick(camera, settings);
+      EXPECT_EQ(brokenTexels(after), 0u) << change.name;
+      EXPECT_EQ(after.stats.nonfinite, 0u) << change.name;
+      EXPECT_EQ(after.radiance.size(), size_t{3} * settings.width * settings.height) << change.name;
+      if (camera.position == kCamera.position) {  // it is the same room
+        EXPECT_NEAR(mean(after).y / mean(before).y, 1.0f, 0.15f) << change.name;
+      }
+    }
+  }
+}
+
+TEST(Svgf, LightsThatGoOutGoDark) {
+  Stage stage(sunlitPatch());
+  const render::ViewSettings settings = live(Denoiser::svgf);
+  const render::Frame before = stage.accumulate(kCamera, settings, 16);
+  scene::Environment night;
+  night.sky = {glm::vec3(0.0f), glm::vec3(0.0f)};
+  night.sun.irradiance = glm::vec3(0.0f);
+  ASSERT_TRUE(stage.world().apply(stage.world().seq() + 1, {{world::ResolvedEnvironment{night}}}));
+  const render::Frame after = stage.accumulate(kCamera, settings, 64);
+  EXPECT_EQ(brokenTexels(after), 0u);
+  EXPECT_LT(mean(after).y, 0.5f * mean(before).y);  // a lamp is left
+}
+
+TEST(Svgf, CostsNothingUnlessAskedForAndRepeatsItself) {
+  Stage stage(lampRoom());
+  const render::Frame off = stage.tick(kCamera, live(Denoiser::none));
+  for (const char* pass : {"motion", "svgf_temporal", "svgf_variance", "svgf_atrous"})
+    EXPECT_FALSE(recorded(off, pass));
+  EXPECT_EQ(off.stats.history_bytes, 0u);
+  std::vector<uint8_t> first;
+  for (int run = 0; run < 2; ++run) {
+    Stage again(lampRoom());
+    const render::Frame frame = again.accumulate(kCamera, live(Denoiser::svgf), 3);
+    EXPECT_TRUE(recorded(frame, "svgf_atrous"));
+    if (run == 0) first = bytes(frame);
+    else EXPECT_EQ(bytes(frame), first);
+    std::printf("SVGF keeps %.1f bytes a pixel, %.0f MB at 1920 x 1080\n",
+                static_cast<double>(frame.stats.history_bytes) / (kWidth * kHeight),
+                static_cast<double>(frame.stats.history_bytes) / (kWidth * kHeight) * 1920 * 1080 * 1e-6);
+  }
+  render::ViewSettings wrong = live(Denoiser::none);
+  wrong.inspect = Inspect::diffuse;
+  EXPECT_FALSE(render::check(wrong));
+}
+
+}  // namespace
+}  // namespace helio::test
