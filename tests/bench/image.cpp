@@ -88,6 +88,8 @@ namespace {
 std::vector<double> blurred(const std::vector<double>& values, size_t width, size_t height) {
   constexpr int kRadius = 5;
   constexpr double kSigma = 1.5;
+  std::vector<double> window;
+  for (int k = -kRadius; k <= kRadius; ++k) window.push_back(std::exp(-0.5 * k * k / (kSigma * kSigma)));
   const auto along = [&](const std::vector<double>& from, bool rows) {
     std::vector<double> to(from.size());
     for (size_t y = 0; y < height; ++y)
@@ -96,7 +98,7 @@ std::vector<double> blurred(const std::vector<double>& values, size_t width, siz
         for (int k = -kRadius; k <= kRadius; ++k) {
           const auto at = static_cast<int64_t>(rows ? x : y) + k;
           if (at < 0 || at >= static_cast<int64_t>(rows ? width : height)) continue;
-          const double weight = std::exp(-0.5 * k * k / (kSigma * kSigma));
+          const double weight = window[static_cast<size_t>(k + kRadius)];
           sum += weight * from[rows ? y * width + static_cast<size_t>(at) : static_cast<size_t>(at) * width + x];
           weights += weight;
         }
@@ -124,13 +126,16 @@ double ssim(const Image& a, const Image& b) {
   const glm::dvec3 average = mean(b);
   const double luminance = glm::dot(average, glm::dvec3(0.2126, 0.7152, 0.0722));
   const double scale = luminance > 0.0 ? 0.18 / luminance : 1.0;
-  const std::vector<double> x = tonemappedLuminance(a, scale), y = tonemappedLuminance(b, scale);
+  return ssim(tonemappedLuminance(a, scale), tonemappedLuminance(b, scale), b.width, b.height);
+}
+
+double ssim(const std::vector<double>& x, const std::vector<double>& y, uint32_t width, uint32_t height) {
   const auto product = [](const std::vector<double>& u, const std::vector<double>& v) {
     std::vector<double> w(u.size());
     for (size_t i = 0; i < u.size(); ++i) w[i] = u[i] * v[i];
     return w;
   };
-  const auto blur = [&](const std::vector<double>& v) { return blurred(v, b.width, b.height); };
+  const auto blur = [&](const std::vector<double>& v) { return blurred(v, width, height); };
   const std::vector<double> mx = blur(x), my = blur(y), xx = blur(product(x, x)), yy = blur(product(y, y)),
                             xy = blur(product(x, y));
   constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;

@@ -33,6 +33,8 @@ double shareOfWorst(const Image& a, const Image& b, double fraction);
 /// pixels, sigma 1.5. Both are scaled so that the mean luminance of `b` is middle grey, compressed by x / (1 + x), and
 /// encoded with a gamma of 2.2.
 double ssim(const Image& a, const Image& b);
+/// The same of two pictures' luma, [0, 1], row by row.
+double ssim(const std::vector<double>& a, const std::vector<double>& b, uint32_t width, uint32_t height);
 
 /// The relative mean square error against the truth that the mean of two independent images of one sample count has
 /// from noise alone, estimated from their difference.

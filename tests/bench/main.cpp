@@ -6,6 +6,7 @@
 #include <exception>
 #include <iostream>
 
+#include "bench/accuracy.h"
 #include "bench/command.h"
 #include "bench/crash.h"
 #include "bench/culling.h"
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
   bench::addFrameCommand(app, command_line, action);
   bench::addFidelityCommand(app, command_line, action);
   bench::addSamplerCommand(app, command_line, action);
+  bench::addAccuracyCommand(app, command_line, action);
   bench::addCullingCommand(app, command_line, action);
   bench::addEditStormCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);

@@ -1,0 +1,302 @@
+#include "bench/accuracy.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <numeric>
+
+#include "bench/accumulation.h"
+#include "bench/device.h"
+#include "bench/files.h"
+#include "bench/flip.h"
+#include "bench/progress.h"
+#include "render/camera_frame.h"
+#include "stream/picture.h"
+
+namespace helio::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kNotes =
+    R"(Renders a converged reference, then each setting of each axis with everything else at its base: one path a pixel, three
+bounces, no denoiser. A run is --frames ticks from a view without a history; its last frame is judged. Errors are relative
+MSE in linear radiance, apart into bias (what all runs share) and variance (what they do not), and SSIM and FLIP of the
+displayed picture. Writes accuracy.html, .csv and .json below --out.
+
+Examples:
+  helio-bench accuracy --size 160x90 --axis spp --axis denoiser
+  helio-bench accuracy --scene cornell.gltf --size 1920x1080 --runs 16 --motion fly --json)";
+
+constexpr uint32_t kSamplesForExposure = 16;
+constexpr double kEpsilon = 0.01;     // of relative errors, as in image.h
+constexpr float kFlightStep = 0.02f;  // metres a tick, sideways: a walk at 60 frames a second
+
+/// What all settings are measured against.
+struct Reference {
+  Image image;
+  std::vector<uint8_t> pixels;  // displayed
+  std::optional<SeenPicture> seen;
+  double noise = 0.0;
+  float exposure_ev = 0.0f;
+};
+
+std::vector<uint8_t> displayed(const render::Pixels& pixels) {
+  return {pixels.rgbx, pixels.rgbx + size_t{4} * pixels.width * pixels.height};
+}
+
+Result<Reference> renderReference(render::Renderer& renderer, const scene::ScenePtr& scene,
+                                  const scene::NamedCamera& camera, const AccuracyOptions& options) {
+  render::ViewSettings settings = referenceSettings(options.width, options.height, options.reference_bounces);
+  settings.roulette = true;  // unbiased, and bounces are many
+  Reference reference;
+  {
+    auto first = Accumulation::start(renderer, scene, camera, settings);
+    if (!first) return first.error();
+    if (auto grown = (*first)->growTo(kSamplesForExposure); !grown) return grown.error();
+    const double luminance = glm::dot(mean((*first)->image()), glm::dvec3(0.2126, 0.7152, 0.0722));
+    if (luminance > 0.0)
+      reference.exposure_ev = static_cast<float>(std::clamp(std::log2(0.18 / luminance), -16.0, 16.0));
+  }
+  settings.exposure_ev = reference.exposure_ev;
+  auto accumulation = Accumulation::start(renderer, scene, camera, settings);
+  if (!accumulation) return accumulation.error();
+  Progress progress("reference", options.reference_samples);
+  const auto step = [&] { progress.step(); };
+  const uint32_t half = options.reference_samples / 2;
+  if (auto grown = (*accumulation)->growTo(half, step); !grown) return grown.error();
+  const Image first_half = (*accumulation)->image();
+  if (auto grown = (*accumulation)->growTo(options.reference_samples, step); !grown) return grown.error();
+  reference.image = (*accumulation)->image();
+  reference.noise = noiseFloor(first_half, rest(reference.image, options.reference_samples, first_half, half));
+  reference.pixels = displayed((*accumulation)->pixels());
+  reference.seen.emplace(reference.pixels.data(), options.width, options.height);
+  return reference;
+}
+
+/// Where the camera is `ticks` before the end of a run.
+scene::Camera cameraBefore(const scene::Camera& end, MotionKind motion, uint32_t ticks) {
+  scene::Camera camera = end;
+  if (motion == MotionKind::fly)
+    camera.position += static_cast<float>(ticks) * kFlightStep * render::cameraFrame(end).right;
+  return camera;
+}
+
+double luma(const uint8_t* p) { return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255.0; }
+
+std::vector<double> lumas(const std::vector<uint8_t>& pixels) {
+  std::vector<double> values;
+  for (size_t i = 0; i < pixels.size(); i += 4) values.push_back(luma(&pixels[i]));
+  return values;
+}
+
+double meanChange(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.size(); i += 4) sum += std::abs(luma(&a[i]) - luma(&b[i]));
+  return sum / (static_cast<double>(a.size()) / 4.0);
+}
+
+/// FLIP as a picture: black, purple, orange, white.
+std::vector<uint8_t> heat(const std::vector<float>& differences) {
+  const glm::vec3 stops[] = {{0, 0, 4}, {114, 31, 129}, {241, 96, 93}, {252, 253, 191}};
+  std::vector<uint8_t> rgba;
+  for (const float d : differences) {
+    const float t = 3.0f * std::clamp(d, 0.0f, 1.0f);
+    const int i = std::min(2, static_cast<int>(t));
+    const glm::vec3 c = glm::mix(stops[i], stops[i + 1], t - static_cast<float>(i));
+    rgba.insert(rgba.end(), {static_cast<uint8_t>(c.r), static_cast<uint8_t>(c.g), static_cast<uint8_t>(c.b), 255});
+  }
+  return rgba;
+}
+
+Result<std::string> png(const std::vector<uint8_t>& rgba, const AccuracyOptions& options) {
+  return stream::encodePng({rgba.data(), options.width, options.height});
+}
+
+/// The medians of times, collected tick by tick.
+class Times {
+ public:
+  void add(const render::FrameStats& stats) {
+    frames_.push_back(stats.gpu_ms);
+    for (const render::PassTime& pass : stats.passes) {
+      auto row = std::find_if(passes_.begin(), passes_.end(), [&](const auto& p) { return p.first == pass.name; });
+      if (row == passes_.end()) row = passes_.insert(row, {pass.name, {}});
+      row->second.push_back(pass.ms);
+    }
+  }
+  void summariseInto(AccuracyPoint& point) const {
+    point.frame_ms = summarise(frames_);
+    for (const auto& [name, times] : passes_) point.passes.emplace_back(name, summarise(times));
+  }
+
+ private:
+  std::vector<double> frames_;
+  std::vector<std::pair<std::string, std::vector<double>>> passes_;
+};
+
+Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::ScenePtr& scene,
+                                     const scene::NamedCamera& camera, const AccuracySetting& setting,
+                                     const Reference& reference, const AccuracyOptions& options) {
+  auto viewed = test::ViewedWorld::open(renderer, scene);
+  if (!viewed) return viewed.error();
+  if (auto lit = (*viewed)->setLight(camera.environment); !lit) return lit.error();
+  if (setting.culling)
+    if (auto set = renderer.setCulling((*viewed)->handle(), *setting.culling); !set) return set.error();
+  render::ViewSettings view = setting.view;
+  view.exposure_ev = reference.exposure_ev;
+  // Another light transport forgets all history, while random numbers go on.
+  render::ViewSettings forgetful = view;
+  forgetful.round_surfaces = !view.round_surfaces;
+
+  AccuracyPoint point{setting.axis, setting.name};
+  Times times;
+  std::vector<Image> last;
+  double flicker = 0.0;
+  if (options.motion == MotionKind::still) point.recovery.resize(options.frames);
+  for (uint32_t run = 0; run < options.runs; ++run) {
+    if (auto forgotten = (*viewed)->tick(camera.camera, forgetful, 0.0); !forgotten) return forgotten.error();
+    std::vector<uint8_t> before, now;
+    for (uint32_t frame = 0; frame < options.frames; ++frame) {
+      const uint32_t left = options.frames - 1 - frame;
+      auto shown = (*viewed)->tick(cameraBefore(camera.camera, options.motion, left), view, 0.0);
+      if (!shown) return shown.error();
+      if (run > 0 || frame > 0) times.add(shown->stats);  // the first compiles
+      const Image image{options.width, options.height, shown->radiance};
+      if (!point.recovery.empty()) point.recovery[frame] += relativeMse(image, reference.image) / options.runs;
+      if (left <= 1) {
+        before = std::move(now);
+        now = displayed(*shown->pixels);
+      }
+      if (left > 0) continue;
+      last.push_back(image);
+      const render::MemoryUse& memory = shown->stats.memory;
+      point.memory_bytes = memory.raster + memory.ray_tracing + memory.path_tracing;
+      point.history_bytes = shown->stats.history_bytes;
+    }
+    if (!before.empty()) flicker += meanChange(before, now) / options.runs;
+    if (run + 1 < options.runs) continue;
+    // One run is enough for what is displayed: its pixels are many.
+    point.ssim = ssim(lumas(now), lumas(reference.pixels), options.width, options.height);
+    const std::vector<float> differences =
+        reference.seen->differences(SeenPicture(now.data(), options.width, options.height));
+    point.flip = std::accumulate(differences.begin(), differences.end(), 0.0) / static_cast<double>(differences.size());
+    auto picture = png(now, options), error = png(heat(differences), options);
+    if (!picture) return picture.error();
+    if (!error) return error.error();
+    point.picture_png = std::move(*picture);
+    point.error_png = std::move(*error);
+  }
+  times.summariseInto(point);
+  point.error = decompose(last, reference.image);
+  if (options.motion == MotionKind::still && options.frames > 1) point.flicker = flicker;
+  return point;
+}
+
+Result<void> measure(const AccuracyOptions& options, const std::string& command_line) {
+  if (auto valid = check(options.stage); !valid) return valid;
+  std::vector<AccuracySetting> settings;
+  const bool all =
+      options.axes.empty() || std::find(options.axes.begin(), options.axes.end(), "all") != options.axes.end();
+  for (const std::string& axis : all ? accuracyAxes() : options.axes) {
+    auto of_axis = settingsOf(axis, baseSettings(options.width, options.height));
+    if (!of_axis) return of_axis.error();
+    settings.insert(settings.end(), of_axis->begin(), of_axis->end());
+  }
+  std::error_code error;
+  fs::create_directories(options.out, error);
+  if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
+  auto scene = makeScene(options.stage);
+  if (!scene) return scene.error();
+  const auto camera = findCamera(**scene, options.stage.camera);
+  if (!camera) return camera.error();
+  auto renderer = render::makeRenderer(options.renderer);
+  if (!renderer) return renderer.error();
+
+  AccuracyReport report;
+  report.provenance = provenance((*renderer)->device(), command_line);
+  report.scene = (*scene)->name;
+  report.camera = (*camera)->name;
+  report.options = options;
+  auto reference = renderReference(**renderer, *scene, **camera, options);
+  if (!reference) return reference.error();
+  report.reference_noise = reference->noise;
+  report.exposure_ev = static_cast<double>(reference->exposure_ev);
+  auto reference_png = png(reference->pixels, options);
+  if (!reference_png) return reference_png.error();
+  report.reference_png = std::move(*reference_png);
+  {
+    Progress progress("settings", settings.size());
+    for (const AccuracySetting& setting : settings) {
+      auto point = measureSetting(**renderer, *scene, **camera, setting, *reference, options);
+      if (!point) return point.error();
+      report.points.push_back(std::move(*point));
+      progress.step();
+    }
+  }
+  const std::string stem = (fs::path(options.out) / "accuracy").string(), document = toJson(report).dump(2) + "\n";
+  for (const auto& [ending, bytes] : {std::pair{".html", toHtml(report)}, {".csv", toCsv(report)}, {".json", document}})
+    if (auto written = writeFile(stem + ending, bytes); !written) return written;
+  std::cout << (options.json ? document : toMarkdown(report)) << std::flush;
+  if (!std::cout) return Error{ErrorKind::internal, "cannot write the result to standard output", {}, {}, {}};
+  return {};
+}
+
+}  // namespace
+
+Decomposition decompose(const std::vector<Image>& pictures, const Image& truth) {
+  const auto n = static_cast<double>(pictures.size()), values = static_cast<double>(truth.rgb.size());
+  Decomposition result;
+  for (size_t i = 0; i < truth.rgb.size(); ++i) {
+    const double value = static_cast<double>(truth.rgb[i]);
+    double sum = 0.0, squares = 0.0;
+    for (const Image& picture : pictures) {
+      const double difference = static_cast<double>(picture.rgb[i]) - value;
+      sum += difference;
+      squares += difference * difference;
+    }
+    const double unit = (value * value + kEpsilon) * values;
+    result.total += squares / n / unit;
+    result.variance += (squares - sum * sum / n) / (n - 1.0) / unit;
+  }
+  result.bias = result.total - result.variance;
+  return result;
+}
+
+void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& chosen) {
+  const auto options = std::make_shared<AccuracyOptions>();
+  CLI::App& command = *app.add_subcommand("accuracy", "what each approximation saves, and what it does to the picture");
+  command.footer(kNotes);
+  addStageOptions(command, options->stage);
+  addSizeOption(command, options->width, options->height);
+  std::string axes = "all";
+  for (const std::string& axis : accuracyAxes()) axes += ", " + axis;
+  command.add_option("--axis", options->axes, "what to vary, any number of times: " + axes);
+  const std::map<std::string, MotionKind> motions{{"still", MotionKind::still}, {"fly", MotionKind::fly}};
+  command.add_option("--motion", options->motion, "of the camera during a run: still or fly")
+      ->transform(CLI::CheckedTransformer(motions))
+      ->default_str("still");
+  command.add_option("--frames", options->frames, "of a run, the last of which is judged")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--runs", options->runs, "with random numbers of their own")
+      ->check(CLI::Range(2, 1000))
+      ->capture_default_str();
+  command.add_option("--reference-spp", options->reference_samples, "samples a pixel of the reference")
+      ->check(CLI::Range(2, 1'000'000))
+      ->capture_default_str();
+  command.add_option("--reference-bounces", options->reference_bounces, "of the reference")
+      ->check(CLI::Range(0, 32))
+      ->capture_default_str();
+  command.add_option("--out", options->out, "a folder for the report")->capture_default_str();
+  addDeviceOptions(command, options->renderer);
+  command.add_flag("--json", options->json, "print one JSON document");
+  command.callback([options, command_line, &chosen] {
+    chosen = [options, command_line] { return measure(*options, command_line); };
+  });
+}
+
+}  // namespace helio::bench

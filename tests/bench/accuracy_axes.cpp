@@ -1,0 +1,112 @@
+#include <functional>
+#include <map>
+
+#include "bench/accuracy.h"
+
+namespace helio::bench {
+namespace {
+
+using render::ViewSettings;
+
+/// A name and what it changes.
+struct Step {
+  std::string name;
+  std::function<void(AccuracySetting&)> change;
+};
+
+template <typename T, typename F>
+std::vector<Step> steps(std::initializer_list<T> values, F ViewSettings::*field) {
+  std::vector<Step> made;
+  for (const T value : values) {
+    std::string name = std::to_string(value);
+    if constexpr (std::is_floating_point_v<T>) name = fixed(value, 1);
+    made.push_back({name, [value, field](AccuracySetting& s) { s.view.*field = static_cast<F>(value); }});
+  }
+  return made;
+}
+
+Step view(const std::string& name, const std::function<void(ViewSettings&)>& change) {
+  return {name, [change](AccuracySetting& s) { change(s.view); }};
+}
+
+const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
+  using render::Culling, render::Denoiser, render::Primary, render::Sampler, render::SunShadow;
+  static const std::vector<std::pair<std::string, std::vector<Step>>> axes{
+      {"spp", steps({1, 2, 4, 8}, &ViewSettings::samples)},
+      {"bounces", steps({0, 1, 2, 3, 5}, &ViewSettings::bounces)},
+      {"roulette",
+       {view("on", [](ViewSettings& v) { v.roulette = true; }),
+        view("off", [](ViewSettings& v) { v.roulette = false; })}},
+      {"denoiser",
+       {view("none", [](ViewSettings&) {}), view("average", [](ViewSettings& v) { v.accumulate = true; }),
+        view("svgf", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; })}},
+      {"primary",
+       {view("raster", [](ViewSettings& v) { v.primary = Primary::raster; }),
+        view("traced", [](ViewSettings& v) { v.primary = Primary::traced; })}},
+      {"culling",
+       {{"frustum_radius", [](AccuracySetting& s) { s.culling = Culling::frustum_radius; }},
+        {"full", [](AccuracySetting&) {}}}},
+      {"lights",
+       {view("one", [](ViewSettings&) {}), view("four", [](ViewSettings& v) { v.lamp_samples = 4; }),
+        view("all", [](ViewSettings& v) { v.lamp_samples = 0; })}},
+      {"light_lists",
+       {view("off", [](ViewSettings& v) { v.light_lists = false; }),
+        view("on", [](ViewSettings& v) { v.light_lists = true; })}},
+      {"light_sampling",
+       {view("scattering", [](ViewSettings& v) { v.light_sampling = false; }),
+        view("lights", [](ViewSettings& v) { v.mis = false; }), view("both", [](ViewSettings&) {})}},
+      {"shadow",
+       {view("map", [](ViewSettings& v) { v.sun_shadow = SunShadow::map; }),
+        view("rays_and_map", [](ViewSettings& v) { v.sun_shadow = SunShadow::rays_and_map; }),
+        view("rays", [](ViewSettings&) {})}},
+      {"detail",
+       {view("levels", [](ViewSettings& v) { v.levels_of_detail = true; }),
+        view("finest", [](ViewSettings& v) { v.levels_of_detail = false; })}},
+      {"sampler",
+       {view("independent", [](ViewSettings& v) { v.sampler = Sampler::independent; }),
+        view("low_discrepancy", [](ViewSettings&) {})}},
+      {"regularisation", steps({0.6, 0.3, 0.0}, &ViewSettings::regularisation)},
+      {"preset",
+       {view("fast", [](ViewSettings& v) { v.bounces = 1, v.denoiser = Denoiser::svgf; }),
+        view("balanced", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; }),
+        view("fine", [](ViewSettings& v) { v.samples = 4, v.bounces = 5, v.denoiser = Denoiser::svgf; })}}};
+  return axes;
+}
+
+}  // namespace
+
+const std::vector<std::string>& accuracyAxes() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& [name, steps] : table()) list.push_back(name);
+    return list;
+  }();
+  return names;
+}
+
+ViewSettings baseSettings(uint32_t width, uint32_t height) {
+  ViewSettings view;
+  view.width = width;
+  view.height = height;
+  view.accumulate = false;
+  view.auto_exposure = false;
+  view.keep_radiance = true;
+  return view;
+}
+
+Result<std::vector<AccuracySetting>> settingsOf(const std::string& axis, const ViewSettings& base) {
+  for (const auto& [name, steps] : table()) {
+    if (name != axis) continue;
+    std::vector<AccuracySetting> settings;
+    for (const Step& step : steps) {
+      settings.push_back({axis, step.name, base, {}});
+      step.change(settings.back());
+    }
+    return settings;
+  }
+  std::string known;
+  for (const std::string& name : accuracyAxes()) known += ", " + name;
+  return invalid("--axis", axis, "there is no axis \"" + axis + "\": give all" + known);
+}
+
+}  // namespace helio::bench

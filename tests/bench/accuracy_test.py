@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+"""Runs `helio-bench accuracy` as a user does and checks what comes out: keys, files, sums and exit statuses, never times.
+
+Usage: tests/bench/accuracy_test.py HELIO_BENCH
+"""
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = sys.argv.pop() if len(sys.argv) > 1 else ""
+SMALL = ["--instances", "1000", "--size", "32x18", "--frames", "2", "--runs", "2", "--reference-spp", "8",
+         "--reference-bounces", "3"]
+POINT_KEYS = {"axis", "name", "frame_ms", "relmse", "bias", "variance", "ssim", "flip", "flicker", "memory_bytes",
+              "history_bytes", "recovery", "passes"}
+
+
+def bench(*flags):
+    return subprocess.run([PROGRAM, "accuracy", *SMALL, *flags], capture_output=True, text=True, timeout=600)
+
+
+class Accuracy(unittest.TestCase):
+    def test_prices_each_setting_of_the_axes_asked_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = bench("--axis", "denoiser", "--axis", "bounces", "--out", folder, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = json.loads(done.stdout)  # nothing but the document
+            self.assertEqual(report, json.loads(Path(folder, "accuracy.json").read_text()))
+            points = report["points"]
+            self.assertEqual([(p["axis"], p["name"]) for p in points],
+                             [("denoiser", n) for n in ("none", "average", "svgf")] + [("bounces", n) for n in "01235"])
+            for point in points:
+                self.assertLessEqual(POINT_KEYS, set(point))
+                self.assertGreater(point["relmse"], 0)
+                self.assertAlmostEqual(point["relmse"], point["bias"] + point["variance"], places=9)
+                self.assertLessEqual(point["ssim"], 1)
+                self.assertTrue(0 <= point["flip"] <= 1)
+                self.assertEqual(len(point["recovery"]), 2)
+                self.assertAlmostEqual(point["recovery"][-1], point["relmse"], places=9)
+            none, _, svgf = points[:3]
+            self.assertEqual(none["history_bytes"], 0)
+            self.assertGreater(svgf["history_bytes"], 0)
+            self.assertIn("svgf_atrous", svgf["passes"])
+            self.assertNotIn("motion", none["passes"])
+            self.assertLess(svgf["relmse"], none["relmse"])
+            self.assertGreater(report["reference"]["noise"], 0)
+            with open(Path(folder, "accuracy.csv")) as file:
+                self.assertEqual(len(list(csv.DictReader(file))), len(points))
+            page = Path(folder, "accuracy.html").read_text()
+            self.assertIn("From none to average", page)
+            self.assertEqual(page.count("data:image/png;base64"), 2 + 2 * len(points))
+
+    def test_a_flight_ends_where_the_reference_looks_from(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = bench("--axis", "roulette", "--motion", "fly", "--out", folder, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            for point in json.loads(done.stdout)["points"]:
+                self.assertIsNone(point["flicker"])
+                self.assertEqual(point["recovery"], [])
+
+    def test_refuses_what_it_does_not_know(self):
+        done = bench("--axis", "wishes")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn('there is no axis "wishes"', done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
