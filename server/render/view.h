@@ -49,6 +49,8 @@ class View {
   gpu::Buffer state_readback, radiance_readback;
   std::shared_ptr<PixelPool::Lease> pixels_readback;
 
+  bool counts_hits = false;  ///< in this tick
+
   const scene::Camera& camera() const { return camera_; }
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.

@@ -26,4 +26,7 @@ layout(constant_id = 41) const bool kSkySampling = true;
 layout(constant_id = 42) const bool kMultipleScattering = true;
 layout(constant_id = 45) const bool kManyLamps = false;
 
+// Rays count whom they meet (shared/lipac.h).
+layout(constant_id = 47) const bool kCountHits = false;
+
 #endif
