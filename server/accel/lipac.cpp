@@ -118,8 +118,12 @@ std::vector<uint32_t> Lipac::begin(const Units& units) {
   asked_.clear();
   if (const Returned& returned = returned_[ticks_ % kDelay]; returned.written) {
     const LipacStatus status = statusIn(returned);
-    entries_known_ = status.boxes;
-    for (const uint32_t count : status.ranks) entries_known_ += count;
+    // Those that wanted in then, and those whose states have called for it since.
+    uint32_t wanted = 0;
+    for (const uint32_t count : status.ranks) wanted += count;
+    const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
+                            status.states[shared::kStateActive];
+    entries_known_ = status.boxes + std::max(wanted, called);
     const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
     for (uint32_t i = 0; i < std::min(status.commands, command_capacity_); ++i) {
       if (commands[i].slot & shared::kCommandRemove) granted_.erase(commands[i].slot & ~shared::kCommandRemove);
