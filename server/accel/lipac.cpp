@@ -10,7 +10,7 @@ namespace {
 using shared::LipacCommand;
 using shared::LipacStatus;
 
-constexpr double kMargin = 512.0;      // metres around the scene that users build in
+constexpr double kMargin = 512.0;       // metres around the scene that users build in
 constexpr uint32_t kFirstGuess = 4096;  // entries, before any are known
 
 constexpr uint64_t kCommandsAt = gpu::alignUp(sizeof(LipacStatus), 16);
@@ -344,8 +344,8 @@ std::span<const LipacCommand> Lipac::commands() const {
 uint64_t Lipac::bytes() const {
   uint64_t bytes = cube_.size();
   for (const gpu::Buffer* buffer :
-       {&bounds_, &cube_positions_, &cube_indices_, &words_, &hits_, &untraced_, &entries_, &hitboxes_, &reaches_, &entry_sums_,
-        &box_sums_, &tick_buffer_, &patch_buffer_, &result_})
+       {&bounds_, &cube_positions_, &cube_indices_, &words_, &hits_, &untraced_, &entries_, &hitboxes_, &reaches_,
+        &entry_sums_, &box_sums_, &tick_buffer_, &patch_buffer_, &result_})
     bytes += buffer->size();
   return bytes;
 }

@@ -71,10 +71,10 @@ class Lipac {
   uint64_t bytes() const;
 
   const LipacGrid& grid() const { return grid_; }
-  const gpu::Buffer& words() const { return words_; }      ///< state words, by slot
-  const gpu::Buffer& hits() const { return hits_; }        ///< counters, by slot
+  const gpu::Buffer& words() const { return words_; }        ///< state words, by slot
+  const gpu::Buffer& hits() const { return hits_; }          ///< counters, by slot
   const gpu::Buffer& untraced() const { return untraced_; }  ///< by slot: 0 where rays meet it in this tick
-  const gpu::Buffer& entries() const { return entries_; }  ///< of this tick's order
+  const gpu::Buffer& entries() const { return entries_; }    ///< of this tick's order
   const gpu::Buffer& hitboxes() const { return hitboxes_; }
 
  private:

@@ -75,7 +75,9 @@ shared::CullVolume frustumOf(const glm::vec3& position, const glm::vec3& right, 
 
 std::unique_ptr<CullingStrategy> fullStrategy() { return std::make_unique<Full>(); }
 
-std::unique_ptr<CullingStrategy> frustumRadiusStrategy(float radius) { return std::make_unique<FrustumRadius>(radius, true); }
+std::unique_ptr<CullingStrategy> frustumRadiusStrategy(float radius) {
+  return std::make_unique<FrustumRadius>(radius, true);
+}
 
 std::unique_ptr<CullingStrategy> distanceStrategy(float radius) {
   return std::make_unique<FrustumRadius>(radius, false);

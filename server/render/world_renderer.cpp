@@ -243,16 +243,15 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
     graph.add("blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
               [this](gpu::Commands& commands) { own_blases_.build(commands); });
   }
-  graph.add(
-      "assemble", Graph::kShared,
-      {{&instances_, gpu::use::compute_read},
-       {&units_, gpu::use::compute_read},
-       {&lipac_, gpu::use::compute_write},
-       {&tlas_, gpu::use::compute_write}},
-      [this](gpu::Commands& commands) {
-        if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
-        else tlas_.assemble(commands, instances_, resources_.meshes());
-      });
+  graph.add("assemble", Graph::kShared,
+            {{&instances_, gpu::use::compute_read},
+             {&units_, gpu::use::compute_read},
+             {&lipac_, gpu::use::compute_write},
+             {&tlas_, gpu::use::compute_write}},
+            [this](gpu::Commands& commands) {
+              if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
+              else tlas_.assemble(commands, instances_, resources_.meshes());
+            });
   graph.add("tlas", Graph::kShared,
             {{&own_blases_, gpu::use::build_read},
              {&tlas_, gpu::use::transfer_read},
@@ -264,7 +263,8 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
-  const ViewPass pass{graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr};
+  const ViewPass pass{
+      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 

@@ -24,14 +24,14 @@ HELIO_CONSTANT kMarkedBit = 0x1000u;
 HELIO_CONSTANT kSmoothedShift = 13u;
 HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
 
-HELIO_CONSTANT kSmoothing = 16u;     // ticks
-HELIO_CONSTANT kCycleDecay = 256u;   // ticks until a cycle is forgotten
+HELIO_CONSTANT kSmoothing = 16u;      // ticks
+HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten
 HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
 
 // A counter of a tick: weighted hits in 1/8, so that a hit in a picture of 1920 x 1080 paths weighs 8.
 HELIO_CONSTANT kHitUnit = 8u;
-HELIO_CONSTANT kHitMarked = 0x80000000u;   // it was met on a path of mirrors alone
-HELIO_CONSTANT kHitDropped = 0xffffffffu;  // it found no room in this tick's TLAS
+HELIO_CONSTANT kHitMarked = 0x80000000u;    // it was met on a path of mirrors alone
+HELIO_CONSTANT kHitDropped = 0xffffffffu;   // it found no room in this tick's TLAS
 HELIO_CONSTANT kReferencePaths = 2073600u;  // 1920 x 1080: what the thresholds refer to
 
 // The grid: square cells in the ground plane, Morton-ordered.
@@ -40,7 +40,7 @@ HELIO_CONSTANT kGridBitsMost = 10u;  // 1024 x 1024 cells
 struct Hitbox {
   uint word;
   uint hits;
-  uint lowest;   // of what is inactive in it, as an ordered integer; lowest > highest: nothing
+  uint lowest;  // of what is inactive in it, as an ordered integer; lowest > highest: nothing
   uint highest;
 };
 
@@ -69,9 +69,8 @@ struct LipacCommand {
 };
 
 // From the CPU to the GPU.
-HELIO_CONSTANT kPatchReset = 0u;      // another instance has the slot
-HELIO_CONSTANT kPatchGrant = 1u;      // its BLAS is there
-HELIO_CONSTANT kPatchActivate = 2u;   // it comes into view: active with its hitbox, if it has a BLAS
+HELIO_CONSTANT kPatchReset = 0u;  // another instance has the slot
+HELIO_CONSTANT kPatchGrant = 1u;  // its BLAS is there
 struct LipacPatch {
   uint slot;
   uint action;
@@ -92,16 +91,16 @@ struct LipacStatus {
 
 // Every pass gets the address of one of these.
 struct LipacTick {
-  uint64_t order;      // uint: slots
-  uint64_t instances;  // InstanceRecord, by slot
-  uint64_t meshes;     // MeshRecord
-  uint64_t bounds;     // MeshBounds a mesh
-  uint64_t hits;       // uint, by slot
-  uint64_t words;      // uint, by slot
-  uint64_t entries;    // uint, as `order`
-  uint64_t untraced;   // uint, by slot: 0 where rays meet the instance
-  uint64_t cells;      // Hitbox
-  uint64_t reaches;    // uint a cell: metres beyond its sides, as a float's bits
+  uint64_t order;       // uint: slots
+  uint64_t instances;   // InstanceRecord, by slot
+  uint64_t meshes;      // MeshRecord
+  uint64_t bounds;      // MeshBounds a mesh
+  uint64_t hits;        // uint, by slot
+  uint64_t words;       // uint, by slot
+  uint64_t entries;     // uint, as `order`
+  uint64_t untraced;    // uint, by slot: 0 where rays meet the instance
+  uint64_t cells;       // Hitbox
+  uint64_t reaches;     // uint a cell: metres beyond its sides, as a float's bits
   uint64_t entry_sums;  // uvec2 a group: entries that surely fit, entries that fit if there is room
   uint64_t box_sums;    // uint a group
   uint64_t output_;     // TlasInstance

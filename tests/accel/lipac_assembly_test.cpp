@@ -59,9 +59,9 @@ class LipacAssembly : public LipacFixture {
       const uint32_t rank = large ? 31 : smoothed == 0 ? 0 : static_cast<uint32_t>(std::log2(smoothed)) + 1;
       if (large || state != kStateInactive) candidates.push_back({slot, rank, !large && state != kStateActive});
       else
-        boxes[morton(static_cast<uint32_t>(std::floor(records[slot].rows[0].w / 16.0f)) - static_cast<uint32_t>(grid.x),
-                     static_cast<uint32_t>(std::floor(records[slot].rows[2].w / 16.0f)) -
-                         static_cast<uint32_t>(grid.z))] = true;
+        boxes[morton(
+            static_cast<uint32_t>(std::floor(records[slot].rows[0].w / 16.0f)) - static_cast<uint32_t>(grid.x),
+            static_cast<uint32_t>(std::floor(records[slot].rows[2].w / 16.0f)) - static_cast<uint32_t>(grid.z))] = true;
     }
     const auto box_count = static_cast<uint32_t>(std::count(boxes.begin(), boxes.end(), true));
     const uint32_t room = capacity - std::min(capacity, box_count);

@@ -43,7 +43,8 @@ class LipacFixture : public testing::Test {
   }
   template <typename T>
   std::vector<T> read(const gpu::Buffer& buffer, size_t count) {
-    gpu::Buffer back(*device, {"read back", count * sizeof(T), gpu::MemoryCategory::transfer, gpu::Placement::readback});
+    gpu::Buffer back(*device,
+                     {"read back", count * sizeof(T), gpu::MemoryCategory::transfer, gpu::Placement::readback});
     commands.begin();
     commands.barrier(gpu::use::everything, gpu::use::everything);
     commands.copy(buffer, back, count * sizeof(T));

@@ -23,8 +23,7 @@ struct Model {
 };
 
 Model unpacked(uint32_t word) {
-  return {word & 3u,         word >> 2 & 7u, word >> 5 & 15u, word >> 9 & 7u, (word >> 12 & 1u) != 0,
-          word >> 13};
+  return {word & 3u, word >> 2 & 7u, word >> 5 & 15u, word >> 9 & 7u, (word >> 12 & 1u) != 0, word >> 13};
 }
 uint32_t packed(const Model& m) {
   return m.state | m.above << 2 | m.below << 5 | m.cycles << 9 | uint32_t{m.marked} << 12 | m.smoothed << 13;
@@ -185,9 +184,7 @@ class LipacStates : public LipacFixture {
             remove = instance.own && m.state >= kStateRequested;
             if (m.state != kStateInactive) rules.change(m, kStateInactive);
           } else if (m.state == kStateInactive) {
-            rules.change(m, instance.own        ? kStateOmitted
-                            : instance.has_blas ? kStateActive
-                                                : kStateRequested);
+            rules.change(m, instance.own ? kStateOmitted : instance.has_blas ? kStateActive : kStateRequested);
           } else if (!instance.own) {
             if (m.state == kStateRequested && instance.has_blas) rules.change(m, kStateActive);
           } else if (m.state == kStateOmitted) {

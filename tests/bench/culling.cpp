@@ -49,7 +49,7 @@ class Contestant {
     settings.lipac.literal = strategy == "lipac_literal";
     const bool guided = strategy == "lipac" || settings.lipac.literal;
     // distance begins when it is known how many lipac holds.
-    const render::Culling culling = guided                          ? render::Culling::lipac
+    const render::Culling culling = guided                         ? render::Culling::lipac
                                     : strategy == "frustum_radius" ? render::Culling::frustum_radius
                                     : strategy == "none"           ? render::Culling::none
                                                                    : render::Culling::full;
@@ -181,14 +181,17 @@ Image difference(const Image& a, const Image& b) {
 /// `distance` holds as many instances as `lipac` does.
 Result<void> matchDistance(const std::vector<std::unique_ptr<Contestant>>& contestants) {
   const auto find = [&](const std::string& strategy) {
-    return std::find_if(contestants.begin(), contestants.end(), [&](const auto& c) { return c->strategy() == strategy; });
+    return std::find_if(contestants.begin(), contestants.end(),
+                        [&](const auto& c) { return c->strategy() == strategy; });
   };
   const auto lipac = find("lipac"), distance = find("distance");
   return distance == contestants.end() ? Result<void>() : (*distance)->holdNearest((*lipac)->active());
 }
 
-/// STRATEGY.png, and STRATEGY.error.png: redder where it is brighter than full, bluer where darker, full colour at 10 %.
-Result<void> writePictures(const std::string& folder, const std::string& strategy, const Image& image, const Image& truth) {
+/// STRATEGY.png, and STRATEGY.error.png: redder where it is brighter than full, bluer where darker, full colour at 10
+/// %.
+Result<void> writePictures(const std::string& folder, const std::string& strategy, const Image& image,
+                           const Image& truth) {
   const auto write = [&](const std::string& file, const std::vector<uint8_t>& rgbx) -> Result<void> {
     const auto png = stream::encodePng({rgbx.data(), image.width, image.height});
     if (!png) return png.error();
@@ -299,7 +302,9 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
     const std::vector<std::string>& strategies = options->strategies;
     if (strategies.empty() || strategies.front() != "full")
       throw CLI::ValidationError("--strategies", "errors are against full: give it first");
-    const auto has = [&](const char* name) { return std::find(strategies.begin(), strategies.end(), name) != strategies.end(); };
+    const auto has = [&](const char* name) {
+      return std::find(strategies.begin(), strategies.end(), name) != strategies.end();
+    };
     if (has("distance") && !has("lipac"))
       throw CLI::ValidationError("--strategies", "distance holds as many instances as lipac: give lipac too");
     if (auto valid = check(options->stage); !valid) throw CLI::ValidationError("--scene", valid.error().message);

@@ -20,7 +20,7 @@ struct CullingOptions {
   uint32_t warmup = 10;
   uint32_t samples = 256;  ///< averaged for the image error
   std::vector<std::string> strategies = {"full", "frustum_radius"};
-  std::string pictures;  ///< a folder for each strategy's picture and its error; empty: none
+  std::string pictures;               ///< a folder for each strategy's picture and its error; empty: none
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
   bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
   std::string device;

@@ -21,7 +21,8 @@ render::ViewSettings small(uint32_t width = 96, uint32_t height = 54) {
 }
 
 const scene::Camera& cameraOf(const scene::Scene& scene, const std::string& name) {
-  return std::find_if(scene.cameras.begin(), scene.cameras.end(), [&](const auto& c) { return c.name == name; })->camera;
+  return std::find_if(scene.cameras.begin(), scene.cameras.end(), [&](const auto& c) { return c.name == name; })
+      ->camera;
 }
 
 uint32_t all(const accel::LipacFigures& f) { return f.inactive + f.omitted + f.requested + f.active; }
@@ -124,7 +125,8 @@ scene::ScenePtr crowd(uint32_t count) {
   scene.ground = {};
   const uint32_t walker = scene.findPrefab("walker_smith");
   for (uint32_t i = 0; i < count; ++i)
-    scene.placements.push_back({walker, at({1.5f * static_cast<float>(i % 8) - 5.0f, 0.0f, -1.5f * static_cast<float>(i / 8)})});
+    scene.placements.push_back(
+        {walker, at({1.5f * static_cast<float>(i % 8) - 5.0f, 0.0f, -1.5f * static_cast<float>(i / 8)})});
   return std::make_shared<scene::Scene>(std::move(scene));
 }
 
@@ -161,9 +163,7 @@ TEST(Lipac, BlasesComeWithinTheBudgetAndGoWithoutATrace) {
     EXPECT_EQ(frame.stats.acceleration.own_blases, 0u);
     EXPECT_EQ(frame.stats.acceleration.own_blas_bytes, 0u);
     EXPECT_EQ(frame.stats.acceleration.own_vertex_bytes, 0u);
-    if (round == 1) {
-      EXPECT_EQ(frame.stats.acceleration.total(), rest);
-    }
+    if (round == 1) { EXPECT_EQ(frame.stats.acceleration.total(), rest); }
     rest = frame.stats.acceleration.total();
     EXPECT_GT(stage.accumulate(kAtTheCrowd, small(), 20).stats.acceleration.own_blases, 5u);
   }
@@ -190,10 +190,12 @@ scene::ScenePtr wall(const scene::Material& material) {
   const uint32_t plain = builder.prefab("plain", quad(600.0f), builder.material(lambert(glm::vec3(0.4f))));
   const uint32_t screen = builder.prefab("screen", cube(), builder.material(material));
   builder.place(plain);
-  builder.place(screen, glm::mat4x3(glm::vec3(30, 0, 0), glm::vec3(0, 24, 0), glm::vec3(0, 0, 0.2f), glm::vec3(0, 12, -24)));
+  builder.place(screen,
+                glm::mat4x3(glm::vec3(30, 0, 0), glm::vec3(0, 24, 0), glm::vec3(0, 0, 0.2f), glm::vec3(0, 12, -24)));
   for (int i = 0; i < 10; ++i)
     builder.place(box, glm::mat4x3(glm::vec3(2, 0, 0), glm::vec3(0, 8, 0), glm::vec3(0, 0, 2),
-                                   glm::vec3(3.0f * static_cast<float>(i % 5) - 6.0f, 4, 40.0f + 4.0f * static_cast<float>(i / 5))));
+                                   glm::vec3(3.0f * static_cast<float>(i % 5) - 6.0f, 4,
+                                             40.0f + 4.0f * static_cast<float>(i / 5))));
   for (int i = 0; i < 25; ++i)
     builder.place(box, at({3.0f * static_cast<float>(i % 5) - 6.0f, 0.5f, -56.0f + 3.0f * static_cast<float>(i / 5)}));
   builder.environment().sky = {glm::vec3(1.0f), glm::vec3(0.3f)};
@@ -229,6 +231,35 @@ TEST(Lipac, WhatAnOccluderHidesStaysOut) {
   EXPECT_GE(b.stats.lipac->inactive, 25u);
   EXPECT_GE(b.stats.lipac->active, 2u);
   EXPECT_LT(difference(b, a), 0.02);
+}
+
+TEST(Lipac, WhatRaysDoNotMeetCastsItsShadowByTheMap) {
+  SceneBuilder builder;
+  const uint32_t plain = builder.prefab("plain", quad(600.0f), builder.material(lambert(glm::vec3(0.5f))));
+  const uint32_t tower = builder.prefab("tower", cube(), builder.material(lambert(glm::vec3(0.5f))));
+  builder.place(plain);
+  for (int i = 0; i < 3; ++i)
+    builder.place(tower, glm::mat4x3(glm::vec3(3, 0, 0), glm::vec3(0, 12, 0), glm::vec3(0, 0, 3),
+                                     glm::vec3(8.0f * static_cast<float>(i) - 14.0f, 6, -4)));
+  builder.environment().sky = {glm::vec3(0.2f), glm::vec3(0.2f)};
+  builder.environment().sun.direction = {0.8f, -1.0f, 0.3f};
+  builder.environment().sun.irradiance = glm::vec3(3.0f);
+  const scene::ScenePtr scene = builder.build();
+  const scene::Camera camera = lookAt({0, 14, 26}, {0, 0, -2}, 0.8f);
+  render::ViewSettings settings = small();
+  settings.bounces = 0;
+  Stage full(scene), rays(scene), map(scene);
+  rays.setCulling(Culling::none);
+  map.setCulling(Culling::none);
+  const render::Frame a = still(full, camera, settings), b = still(rays, camera, settings);
+  settings.sun_shadow = render::SunShadow::rays_and_map;
+  const render::Frame c = still(map, camera, settings);
+  showPicture(a, "lipac_shadow_full");
+  showPicture(b, "lipac_shadow_rays");
+  showPicture(c, "lipac_shadow_map");
+  EXPECT_EQ(c.stats.lipac->active, 1u);  // the plain alone
+  EXPECT_GT(difference(b, a), 0.05);
+  EXPECT_LT(difference(c, a), 0.3 * difference(b, a));
 }
 
 TEST(Lipac, RefusesThresholdsOutOfRange) {
