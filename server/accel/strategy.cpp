@@ -14,10 +14,20 @@ class Full final : public CullingStrategy {
   bool wants(const glm::vec3&, float) const override { return true; }
 };
 
+/// In the place of a frustum: inwards from the sides of a tetrahedron around the viewer, which holds nothing that the
+/// radius does not.
+void seeNothing(shared::CullVolume& volume) {
+  const float third = 1.0f / std::sqrt(3.0f);
+  volume.sides[0] = glm::vec3(third, third, third);
+  volume.sides[1] = glm::vec3(third, -third, -third);
+  volume.sides[2] = glm::vec3(-third, third, -third);
+  volume.sides[3] = glm::vec3(-third, -third, third);
+}
+
 class FrustumRadius final : public CullingStrategy {
  public:
-  explicit FrustumRadius(float radius) : radius_(radius) {}
-  std::string_view name() const override { return "frustum_radius"; }
+  FrustumRadius(float radius, bool frustum) : radius_(radius), frustum_(frustum) {}
+  std::string_view name() const override { return frustum_ ? "frustum_radius" : "distance"; }
 
   void begin(std::span<const Viewpoint> viewers) override {
     volumes_.clear();
@@ -25,6 +35,7 @@ class FrustumRadius final : public CullingStrategy {
     for (const Viewpoint& viewer : viewers) {
       volumes_.push_back(viewer.volume);
       volumes_.back().radius = radius_;
+      if (!frustum_) seeNothing(volumes_.back());
     }
   }
   const std::vector<shared::CullVolume>* volumes() const override { return everything_ ? nullptr : &volumes_; }
@@ -36,6 +47,7 @@ class FrustumRadius final : public CullingStrategy {
 
  private:
   float radius_;
+  bool frustum_;
   bool everything_ = false;
   std::vector<shared::CullVolume> volumes_;
 };
@@ -63,6 +75,12 @@ shared::CullVolume frustumOf(const glm::vec3& position, const glm::vec3& right, 
 
 std::unique_ptr<CullingStrategy> fullStrategy() { return std::make_unique<Full>(); }
 
-std::unique_ptr<CullingStrategy> frustumRadiusStrategy(float radius) { return std::make_unique<FrustumRadius>(radius); }
+std::unique_ptr<CullingStrategy> frustumRadiusStrategy(float radius) {
+  return std::make_unique<FrustumRadius>(radius, true);
+}
+
+std::unique_ptr<CullingStrategy> distanceStrategy(float radius) {
+  return std::make_unique<FrustumRadius>(radius, false);
+}
 
 }  // namespace helio::accel

@@ -50,4 +50,7 @@ inline constexpr float kStrategyRadius = 800.0f;  ///< metres [Kelling §4.2]
 /// What touches a viewer's frustum, or lies within `radius` metres of a viewer.
 std::unique_ptr<CullingStrategy> frustumRadiusStrategy(float radius = kStrategyRadius);
 
+/// What lies within `radius` metres of a viewer, wherever it looks.
+std::unique_ptr<CullingStrategy> distanceStrategy(float radius);
+
 }  // namespace helio::accel

@@ -51,6 +51,10 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   }
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
+  reserve(commands, count);
+}
+
+void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
   if (count <= capacity_ && capacity_ <= 2 * bucketAbove(count + count / 4)) return;
   const uint32_t capacity = bucketAbove(count + count / 4);
   gpu::Buffer instances(

@@ -16,6 +16,9 @@ class TlasAssembly {
   /// Chooses the blocks of the order that the strategy does not rule out, and sizes the instance buffer for them: the
   /// next bucket above 1.25 times their instances, so that the build count changes seldom; what lies behind is null.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
+  /// The same for so many entries, which somebody else writes to output().
+  void reserve(gpu::Commands& commands, uint32_t count);
+  VkDeviceAddress output() const { return instances_.address(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
   void upload(gpu::Commands& commands);
   /// Compute: writes `capacity()` TLAS instances from the table, in its order.

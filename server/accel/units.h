@@ -76,6 +76,8 @@ class Units {
   bool dirty() const { return !moved_slots_.empty() || !poses_.empty() || deforms_dirty_; }
   const std::vector<Unit>& units() const { return units_; }  ///< by index, with free entries
   const DeformingMesh& meshOf(uint32_t unit) const { return meshes_[units_[unit].mesh]; }
+  /// kNone: what stands in the slot neither moves nor deforms.
+  uint32_t unitOf(uint32_t slot) const { return slot < unit_of_slot_.size() ? unit_of_slot_[slot] : scene::kNone; }
   bool deforms(uint32_t unit) const { return meshes_[units_[unit].mesh].deform != 0; }
   uint64_t count() const { return count_; }
   uint64_t cpuBytes() const {

@@ -83,7 +83,7 @@ void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.
 class Tlas {
  public:
-  /// Grows storage and scratch to `count` instances if need be, then records the build.
+  /// Makes storage and scratch fit `count` instances if need be (no submitted work uses them), then records the build.
   void build(Commands& commands, VkDeviceAddress instances, uint32_t count);
   VkDeviceAddress address() const { return structure_.address(); }
   uint64_t bytes() const { return structure_.size(); }

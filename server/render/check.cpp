@@ -57,4 +57,19 @@ Result<void> check(const ViewSettings& settings) {
   return inRange("settings.exposure_ev", settings.exposure_ev, -16.0f, 16.0f);
 }
 
+Result<void> check(const CullingSettings& settings) {
+  using accel::LipacSettings;
+  const LipacSettings& lipac = settings.lipac;
+  const std::pair<const char*, float> thresholds[] = {{"culling.box_activate", lipac.box_activate},
+                                                      {"culling.box_deactivate", lipac.box_deactivate},
+                                                      {"culling.own_activate", lipac.own_activate},
+                                                      {"culling.own_deactivate", lipac.own_deactivate}};
+  for (const auto& [field, hits] : thresholds)
+    if (hits != LipacSettings::kUnreachable)
+      if (auto r = inRange(field, hits, 2.0f, LipacSettings::kHighestThreshold); !r) return r;
+  if (auto r = inRange("culling.frames_above", lipac.frames_above, 1u, 7u); !r) return r;
+  if (auto r = inRange("culling.frames_below", lipac.frames_below, 1u, 15u); !r) return r;
+  return inRange("culling.radius", settings.radius, 0.001f, 1e6f);
+}
+
 }  // namespace helio::render

@@ -68,11 +68,14 @@ class VulkanRenderer final : public Renderer {
     renderer->removeView(view);
   }
 
-  Result<void> setCulling(WorldHandle world, Culling culling) override {
+  Result<void> setCulling(WorldHandle world, Culling culling, const CullingSettings& settings) override {
+    if (auto valid = check(settings); !valid) return valid.error();
     const std::shared_ptr<WorldRenderer> renderer = find(world);
     if (!renderer) return unknown(world);
-    renderer->setCulling(culling);
-    return {};
+    return guarded([&]() -> Result<void> {
+      renderer->setCulling(culling, settings);
+      return {};
+    });
   }
 
   Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
@@ -111,7 +114,7 @@ class VulkanRenderer final : public Renderer {
 
 }  // namespace
 
-Result<void> Renderer::setCulling(WorldHandle, Culling) {
+Result<void> Renderer::setCulling(WorldHandle, Culling, const CullingSettings&) {
   return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "accel/lipac_settings.h"
 #include "base/result.h"
 #include "render/material_override.h"
 #include "scene/scene.h"
@@ -152,7 +153,10 @@ struct AccelerationUse {
   uint64_t own_vertex_bytes = 0;        ///< allocated for their deformed vertices
   uint64_t tlas_bytes = 0;              ///< with the instances that it is built from
   uint64_t scratch_bytes = 0;           ///< working set of the builds
-  uint64_t total() const { return shared_blas_bytes + own_blas_bytes + own_vertex_bytes + tlas_bytes + scratch_bytes; }
+  uint64_t culling_bytes = 0;           ///< counters and states of light path guided culling
+  uint64_t total() const {
+    return shared_blas_bytes + own_blas_bytes + own_vertex_bytes + tlas_bytes + scratch_bytes + culling_bytes;
+  }
 };
 
 struct FrameStats {
@@ -174,6 +178,7 @@ struct FrameStats {
   uint64_t history_bytes = 0;    ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
   MemoryUse memory;
   AccelerationUse acceleration;
+  std::optional<accel::LipacFigures> lipac;  ///< when light path guided culling decided about this tick
 };
 
 /// 8-bit sRGB pixels, 4 bytes each (the 4th is 255), rows top-down, no padding.
@@ -202,6 +207,17 @@ struct ViewRequest {
 enum class Culling {
   full,            ///< all
   frustum_radius,  ///< those in a viewer's frustum or within 800 m of a viewer [Kelling §4.2]; reference views: all
+  lipac,           ///< those that light paths meet [Kelling et al. 2024]; reference views: all
+  none,            ///< those alone that are too large to be culled: the control that pictures must fail
+  distance,        ///< those within a radius of a viewer: what lipac is compared with
+};
+
+struct CullingSettings {
+  accel::LipacSettings lipac;  ///< of lipac
+  float radius = 800.0f;       ///< metres, > 0; of frustum_radius and distance
+  // What a tick may build of BLASes of instances' own; refits have no budget.
+  uint32_t builds = 1024;
+  uint64_t build_triangles = 1'000'000;
 };
 
 /// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
@@ -217,8 +233,10 @@ class Renderer {
   virtual Result<ViewHandle> addView(WorldHandle world) = 0;
   virtual void removeView(ViewHandle view) = 0;
 
-  /// From the next tick on. Errors: no such world (not_found), a renderer that knows no culling (unsupported).
-  virtual Result<void> setCulling(WorldHandle world, Culling culling);
+  /// From the next tick on. Errors: no such world (not_found), a setting out of range (invalid), a renderer that knows
+  /// no culling (unsupported).
+  virtual Result<void> setCulling(WorldHandle world, Culling culling, const CullingSettings& settings);
+  Result<void> setCulling(WorldHandle world, Culling culling) { return setCulling(world, culling, CullingSettings{}); }
 
   /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the
   /// GPU. Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).
@@ -230,6 +248,7 @@ class Renderer {
 /// limit.
 Result<void> check(const scene::Camera& camera);
 Result<void> check(const ViewSettings& settings);
+Result<void> check(const CullingSettings& settings);
 
 struct RendererOptions {
   std::string

@@ -51,6 +51,8 @@ class View {
   std::shared_ptr<PixelPool::Lease> pixels_readback;
   Histories histories;
 
+  bool counts_hits = false;  ///< in this tick
+
   const scene::Camera& camera() const { return camera_; }
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.

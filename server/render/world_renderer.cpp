@@ -105,17 +105,13 @@ void WorldRenderer::warmUp() {
 void WorldRenderer::addView(ViewHandle handle) {
   const std::lock_guard lock(mutex_);
   views_.emplace(handle, std::make_unique<View>(device_));
+  quorum_.add(handle);
 }
 
 void WorldRenderer::removeView(ViewHandle handle) {
   const std::lock_guard lock(mutex_);
   views_.erase(handle);
-}
-
-void WorldRenderer::setCulling(Culling culling) {
-  const std::lock_guard lock(mutex_);
-  strategy_ = culling == Culling::full ? accel::fullStrategy() : accel::frustumRadiusStrategy();
-  reassemble_ = true;
+  quorum_.remove(handle);
 }
 
 Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
@@ -131,6 +127,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     if (auto valid = check(request.settings); !valid) return valid.error();
   }
 
+  if (lipac_) lipac_->noteEdits(changes, instances_);
   instances_.apply(changes, [this](uint32_t prefab, int64_t count) { registry_.place(prefab, count); });
   units_.apply(changes, instances_, [this](uint32_t unit) { own_blases_.release(unit); });
   const bool edited = instances_.dirty();
@@ -145,10 +142,11 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   detail_.place(instances_, changes);
   detail_.plan(instances_, units_);
   const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
-  own_blases_.plan(wantedUnits(viewers), units_, instances_, changes.tick, moved, reference);
+  own_blases_.plan(beginCulling(viewers), units_, instances_, changes.tick, moved, reference);
+  if (guided_) lipac_->serve(own_blases_, units_);
   const bool changed = edited || moved || own_blases_.hasWork() || instances_.orderDirty();
-  // What culls follows the cameras.
-  reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr;
+  // What culls follows the cameras, or the light.
+  reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr || lipac_;
   const bool scene_changed = changed || changes.environment_changed;
   environment_ = changes.environment;
   effects_ = registry_.present(environment_);
@@ -162,6 +160,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     units_.forget();
     own_blases_.forget();
     draw_table_.invalidate();
+    if (lipac_) lipac_->forget();
     reassemble_ = true;
     for (const auto& [handle, view] : views_) view->forget();
     throw;
@@ -179,9 +178,11 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
     View& view = *views_.at(request.view);
     view.begin(commands_, request.camera, request.settings, scene_changed, changes.tick,
                PathTrace::rayLogStride(request.settings.bounces));
+    view.counts_hits = guided_ && quorum_.counts(request.view, changes.tick);
     work.push_back({view, static_cast<int>(work.size()), {}});
     addViewPasses(graph, work.back());
   }
+  if (guided_) addFeedback(graph, changes.tick);
   graph.record(commands_);
   commands_.submit();
   const std::vector<gpu::TimedPass> times = commands_.finish();
@@ -219,12 +220,14 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
             {{&instances_, gpu::use::transfer_write},
              {&units_, gpu::use::transfer_write},
              {&own_blases_, gpu::use::transfer_write},
+             {&lipac_, gpu::use::transfer_write},
              {&tlas_, gpu::use::transfer_write}},
             [this](gpu::Commands& commands) {
               if (instances_.orderDirty() || !instances_.recordBuffer()) instances_.upload(commands);
               if (units_.dirty()) units_.upload(commands, instances_);
               own_blases_.upload(commands);
-              tlas_.reserve(commands, instances_, *strategy_);
+              if (guided_) uploadCulling(commands);
+              else tlas_.reserve(commands, instances_, *strategy_);
               tlas_.upload(commands);
             });
   if ((instances_.emittersDirty() || emitters_.empty()) && hasLamps(effects_))
@@ -243,10 +246,15 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
     graph.add("blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
               [this](gpu::Commands& commands) { own_blases_.build(commands); });
   }
-  graph.add(
-      "assemble", Graph::kShared,
-      {{&instances_, gpu::use::compute_read}, {&units_, gpu::use::compute_read}, {&tlas_, gpu::use::compute_write}},
-      [this](gpu::Commands& commands) { tlas_.assemble(commands, instances_, resources_.meshes()); });
+  graph.add("assemble", Graph::kShared,
+            {{&instances_, gpu::use::compute_read},
+             {&units_, gpu::use::compute_read},
+             {&lipac_, gpu::use::compute_write},
+             {&tlas_, gpu::use::compute_write}},
+            [this](gpu::Commands& commands) {
+              if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
+              else tlas_.assemble(commands, instances_, resources_.meshes());
+            });
   graph.add("tlas", Graph::kShared,
             {{&own_blases_, gpu::use::build_read},
              {&tlas_, gpu::use::transfer_read},
@@ -258,7 +266,8 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
-  const ViewPass pass{graph, view, work.owner, &tlas_, &instances_, paths_};
+  const ViewPass pass{
+      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 
@@ -318,7 +327,8 @@ void WorldRenderer::addRasterPasses(const ViewPass& pass, const glm::vec2& jitte
   for (const accel::OrderBlock& block : instances_.blocks())
     bounds.grow({block.centre - block.radius, block.centre + block.radius});
   if (!bounds.empty()) world = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
-  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world);
+  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world,
+                         guided_ ? &lipac_->untraced() : nullptr);
 }
 
 void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
@@ -385,6 +395,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.accumulation = view.accumulation.slot();
   c.path_info = view.path_info.slot();
   paths_.describe(c);
+  if (guided_) describeCounting(c, view);
   c.view_state = view.state.address();
   c.pixels = view.pixels.address();
   c.ray_log = view.ray_log ? view.ray_log.address() : 0;
@@ -443,6 +454,10 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   reportFaults(state.faults, settings.width, stats);
   stats.accumulated = view.accumulated();
   stats.tlas_instances = tlas_.entered();
+  if (guided_) {
+    stats.lipac = lipac_->figures();
+    stats.tlas_instances = stats.lipac->entries;
+  }
   stats.acceleration = accelerationUse(view);
   if (usesRaster(settings)) stats.triangles_drawn = view.draws.triangles();
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
@@ -502,6 +517,7 @@ AccelerationUse WorldRenderer::accelerationUse(const View& view) const {
   use.own_blas_bytes = own_blases_.structureBytes();
   use.own_vertex_bytes = own_blases_.vertexBytes();
   use.tlas_bytes = tlas_.bytes();
+  use.culling_bytes = lipac_ ? lipac_->bytes() : 0;
   use.scratch_bytes = tlas_.scratchBytes() + own_blases_.scratchBytes();
   return use;
 }

@@ -7,10 +7,12 @@
 
 #include "accel/detail.h"
 #include "accel/instance_table.h"
+#include "accel/lipac.h"
 #include "accel/own_blases.h"
 #include "accel/strategy.h"
 #include "accel/tlas_assembly.h"
 #include "accel/units.h"
+#include "accel/viewer_quorum.h"
 #include "effects/registry.h"
 #include "render/draw_table.h"
 #include "render/emitter_instances.h"
@@ -32,7 +34,7 @@ class WorldRenderer {
   void addView(ViewHandle handle);
   void removeView(ViewHandle handle);
   /// From the next tick on.
-  void setCulling(Culling culling);
+  void setCulling(Culling culling, const CullingSettings& settings);
   /// Builds BLASes of instances' own one by one. Before the first tick.
   void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
 
@@ -50,6 +52,12 @@ class WorldRenderer {
   /// Rasterised primary hits and the sun's shadow map, as far as the view asks for them.
   void addRasterPasses(const ViewPass& pass, const glm::vec2& jitter);
   AccelerationUse accelerationUse(const View& view) const;
+  // Light path guided culling (world_culling.cpp).
+  /// Decides whether it guides this tick; the units that need a BLAS then, the most important first.
+  std::vector<accel::WantedUnit> beginCulling(std::span<const accel::Viewpoint> viewers);
+  void uploadCulling(gpu::Commands& commands);
+  void addFeedback(Graph& graph, uint64_t tick);
+  void describeCounting(shared::FrameConstants& constants, const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
   /// The table of multiple scattering, made for the first view that asks for it.
@@ -70,6 +78,9 @@ class WorldRenderer {
   accel::Detail detail_;
   DrawTable draw_table_;
   std::unique_ptr<accel::CullingStrategy> strategy_;
+  std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
+  bool guided_ = false;                  // lipac_ decides about this tick: nobody needs everything
+  accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;
   PathQueue paths_;

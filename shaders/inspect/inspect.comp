@@ -6,7 +6,7 @@
 #include "lib/seen.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(constant_id = 49) const uint kInspect = kInspectMotion;
+layout(constant_id = 47) const uint kInspect = kInspectMotion;
 
 // Of the pixel's first surface; the origin where there is none.
 vec3 position(uvec2 pixel, bool before) {

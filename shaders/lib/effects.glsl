@@ -24,8 +24,11 @@ layout(constant_id = 40) const uint kMaterials = kMaterialsAsAuthored;
 // What only some views ask for.
 layout(constant_id = 41) const bool kSkySampling = true;
 layout(constant_id = 42) const bool kMultipleScattering = true;
-layout(constant_id = 45) const bool kManyLamps = false;
+layout(constant_id = 43) const bool kManyLamps = false;
+// 44: kSunShadow (lib/shadow_map.glsl).
+// Rays count whom they meet (shared/lipac.h).
+layout(constant_id = 45) const bool kCountHits = false;
 // Light by the first vertex's diffuse and specular lobes is kept apart, without albedos (shared/history.h).
-layout(constant_id = 48) const bool kSplit = false;
+layout(constant_id = 46) const bool kSplit = false;
 
 #endif

@@ -4,6 +4,11 @@
 #include "shared/frame.h"
 #include "shared/scene.h"
 
+// In the place of a geometry: a box that stands for what was culled. `slot` is the cell or the instance, barycentrics.x the
+// distance.
+const uint kMetOmitted = 0xfffffffeu;
+const uint kMetCell = 0xffffffffu;
+
 struct Hit {
   uint slot;
   uint geometry;    // within the mesh

@@ -5,7 +5,7 @@
 #include "lib/shadow_map_table.glsl"
 #include "lib/tables.glsl"
 
-layout(constant_id = 46) const uint kSunShadow = kSunShadowRays;
+layout(constant_id = 44) const uint kSunShadow = kSunShadowRays;
 
 const bool kUsesShadowMap = kSunShadow != kSunShadowRays;
 const float kNormalTexels = 1.5;  // that a surface is lifted: its own texels lie on both sides of it

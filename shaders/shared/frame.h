@@ -71,6 +71,12 @@ struct FrameConstants {
   uint64_t pixels;   // one RGBA8 word a pixel
   uint64_t ray_log;  // RayLogEntry: ray_log_stride a pixel
   uint ray_log_stride;
+
+  // Light path guided culling (shared/lipac.h), with kCountHits.
+  uint64_t instance_hits;  // uint, by slot
+  uint64_t hitboxes;       // Hitbox, by cell
+  uint hit_weight;         // of a hit, in 1/8; 0: this view does not count in this tick
+  uint hit_stride;         // of pixels whose paths count
   uint64_t history;  // HistoryConstants (shared/history.h); 0: this view does not look back
 };
 

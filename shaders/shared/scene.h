@@ -27,9 +27,16 @@ HELIO_CONSTANT kSlotSpecular = 4u;
 HELIO_CONSTANT kSlotSpecularColor = 5u;
 HELIO_CONSTANT kTextureSlots = 6u;
 
-// Visibility masks of rays and instances (the LiPaC paper's classes get the further bits).
+// Visibility masks of rays and instances.
 HELIO_CONSTANT kMaskSolid = 1u;
-HELIO_CONSTANT kMaskAll = 0xffu;
+HELIO_CONSTANT kMaskCell = 8u;      // boxes that stand for what is culled in a cell
+HELIO_CONSTANT kMaskOmitted = 16u;  // bounds that stand for an instance
+HELIO_CONSTANT kMaskAll = 0xe7u;    // all that has a surface
+
+// Hit groups of an instance in the TLAS.
+HELIO_CONSTANT kHitGroupSurface = 0u;
+HELIO_CONSTANT kHitGroupCell = 1u;
+HELIO_CONSTANT kHitGroupOmitted = 2u;
 
 // One vertex beside its position. Octahedral snorm16 pairs; the tangent's handedness is the lowest bit of `tangent`.
 struct VertexAttributes {

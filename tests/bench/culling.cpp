@@ -1,6 +1,7 @@
 #include "bench/culling.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <functional>
 #include <iostream>
 #include <map>
@@ -9,6 +10,7 @@
 #include "bench/image.h"
 #include "bench/progress.h"
 #include "bench/settings.h"
+#include "stream/picture.h"
 
 namespace helio::bench {
 namespace {
@@ -16,7 +18,9 @@ namespace {
 constexpr const char* kNotes = R"(What is measured:
   A city in which everything moves, seen by one of its cameras. Every strategy has a world of its own; their ticks
   alternate, so whatever slows the machine down meets all of them alike. full: everything is in the TLAS.
-  frustum_radius: what is in the frustum or within 800 m.
+  frustum_radius: what is in the frustum or within 800 m. lipac: what light paths meet; lipac_literal: by the paper's
+  rules to the letter. distance: as many instances as lipac holds then, the nearest. none: nothing but what is too large
+  to be culled; pictures must fail it.
   Then time stands still, and the pictures of all strategies are averaged over the same samples: their errors are
   against full. Indirect light is the picture without what paths of one scattering bring.
 
@@ -36,12 +40,20 @@ class Contestant {
  public:
   static Result<std::unique_ptr<Contestant>> start(render::Renderer& renderer, const CullingOptions& options,
                                                    const scene::ScenePtr& scene, const scene::NamedCamera& camera,
-                                                   render::Culling culling) {
-    std::unique_ptr<Contestant> result(new Contestant(renderer, options, scene, camera, culling));
+                                                   const std::string& strategy) {
+    std::unique_ptr<Contestant> result(new Contestant(renderer, options, scene, camera, strategy));
     const auto handle = renderer.addWorld(scene);
     if (!handle) return handle.error();
     result->handle_ = *handle;
-    if (auto set = renderer.setCulling(*handle, culling); !set) return set.error();
+    render::CullingSettings settings;
+    settings.lipac.literal = strategy == "lipac_literal";
+    const bool guided = strategy == "lipac" || settings.lipac.literal;
+    // distance begins when it is known how many lipac holds.
+    const render::Culling culling = guided                         ? render::Culling::lipac
+                                    : strategy == "frustum_radius" ? render::Culling::frustum_radius
+                                    : strategy == "none"           ? render::Culling::none
+                                                                   : render::Culling::full;
+    if (auto set = renderer.setCulling(*handle, culling, settings); !set) return set.error();
     if (auto viewed = result->newView(); !viewed) return viewed.error();
     return result;
   }
@@ -55,7 +67,22 @@ class Contestant {
     const auto frame = render(seconds, settings);
     if (!frame) return frame.error();
     if (measured) frames_.push_back(frame->stats);
+    active_ = frame->stats.lipac ? frame->stats.lipac->active : frame->stats.tlas_instances;
     return {};
+  }
+
+  const std::string& strategy() const { return strategy_; }
+  uint32_t active() const { return active_; }
+  /// The nearest `count` instances from now on.
+  Result<void> holdNearest(uint32_t count) {
+    std::vector<float> distances;
+    for (const scene::Placement& placed : world_.scene().placements)
+      distances.push_back(glm::distance(glm::vec3(placed.transform[3]), camera_.camera.position));
+    const size_t last = std::min<size_t>(std::max(count, 1u), distances.size()) - 1;
+    std::nth_element(distances.begin(), distances.begin() + static_cast<ptrdiff_t>(last), distances.end());
+    render::CullingSettings settings;
+    settings.radius = std::max(distances[last], 0.001f);
+    return renderer_.setCulling(handle_, render::Culling::distance, settings);
   }
 
   /// The mean of the options' samples while time stands, in a view of its own: all contestants draw the same samples.
@@ -83,7 +110,7 @@ class Contestant {
     };
     using Stats = render::FrameStats;
     CullingRun run;
-    run.strategy = name(culling_);
+    run.strategy = strategy_;
     run.tlas_instances = of([](const Stats& f) { return double(f.tlas_instances); });
     run.own_blas_count = of([](const Stats& f) { return double(f.acceleration.own_blases); });
     run.own_blas_in_view = of([](const Stats& f) { return double(f.acceleration.own_blases_in_view); });
@@ -92,6 +119,10 @@ class Contestant {
     run.blas_ms = of([](const Stats& f) { return passMs(f, {"blas"}); });
     run.tlas_ms = of([](const Stats& f) { return passMs(f, {"tlas"}); });
     run.assemble_ms = of([](const Stats& f) { return passMs(f, {"assemble"}); });
+    run.feedback_ms = of([](const Stats& f) { return passMs(f, {"feedback"}); });
+    run.state_changes = of([](const Stats& f) { return f.lipac ? double(f.lipac->changes) : 0.0; });
+    for (const Stats& frame : frames_) run.cycles += frame.lipac ? frame.lipac->cycles : 0;
+    run.states = frames_.back().lipac;
     run.path_trace_ms = of([](const Stats& f) { return passMs(f, {"path_trace"}); });
     run.shadow_ms = of([](const Stats& f) { return passMs(f, {"shadow_cull", "shadow_map"}); });
     run.primary_ms = of([](const Stats& f) { return passMs(f, {"cull", "primary_raster", "primary_traced"}); });
@@ -104,8 +135,8 @@ class Contestant {
 
  private:
   Contestant(render::Renderer& renderer, const CullingOptions& options, const scene::ScenePtr& scene,
-             const scene::NamedCamera& camera, render::Culling culling)
-      : renderer_(renderer), options_(options), world_(scene), camera_(camera), culling_(culling) {}
+             const scene::NamedCamera& camera, const std::string& strategy)
+      : renderer_(renderer), options_(options), world_(scene), camera_(camera), strategy_(strategy) {}
 
   render::ViewSettings base() const {
     render::ViewSettings settings;
@@ -134,7 +165,8 @@ class Contestant {
   const CullingOptions& options_;
   world::World world_;
   const scene::NamedCamera& camera_;
-  render::Culling culling_;
+  std::string strategy_;
+  uint32_t active_ = 0;  // instances in the last tick's TLAS
   render::WorldHandle handle_ = 0;
   render::ViewHandle view_ = 0;
   std::vector<render::FrameStats> frames_;
@@ -144,6 +176,29 @@ Image difference(const Image& a, const Image& b) {
   Image result = a;
   for (size_t i = 0; i < a.rgb.size(); ++i) result.rgb[i] -= b.rgb[i];
   return result;
+}
+
+/// `distance` holds as many instances as `lipac` does.
+Result<void> matchDistance(const std::vector<std::unique_ptr<Contestant>>& contestants) {
+  const auto find = [&](const std::string& strategy) {
+    return std::find_if(contestants.begin(), contestants.end(),
+                        [&](const auto& c) { return c->strategy() == strategy; });
+  };
+  const auto lipac = find("lipac"), distance = find("distance");
+  return distance == contestants.end() ? Result<void>() : (*distance)->holdNearest((*lipac)->active());
+}
+
+/// STRATEGY.png, and STRATEGY.error.png: redder where it is brighter than full, bluer where darker, full colour at 10
+/// %.
+Result<void> writePictures(const std::string& folder, const std::string& strategy, const Image& image,
+                           const Image& truth) {
+  const auto write = [&](const std::string& file, const std::vector<uint8_t>& rgbx) -> Result<void> {
+    const auto png = stream::encodePng({rgbx.data(), image.width, image.height});
+    if (!png) return png.error();
+    return writeFile(folder + "/" + file, *png);
+  };
+  if (auto written = write(strategy + ".png", tonemapped(image, truth)); !written) return written;
+  return write(strategy + ".error.png", differencePicture(image, truth, 0.1));
 }
 
 Result<void> measureCulling(const CullingOptions& options, const std::string& command_line) {
@@ -174,16 +229,20 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
 
   constexpr double kTick = 1.0 / 60.0;
   std::vector<std::unique_ptr<Contestant>> contestants;
-  for (const render::Culling culling : options.strategies) {
-    auto contestant = Contestant::start(**renderer, options, *scene, **camera, culling);
+  for (const std::string& strategy : options.strategies) {
+    auto contestant = Contestant::start(**renderer, options, *scene, **camera, strategy);
     if (!contestant) return contestant.error();
     contestants.push_back(std::move(*contestant));
   }
   {
     Progress progress("measuring", options.warmup + options.frames);
-    for (uint32_t i = 0; i < options.warmup + options.frames; ++i, progress.step())
+    for (uint32_t i = 0; i < options.warmup + options.frames; ++i, progress.step()) {
+      // Half of the warm-up settles lipac; the other brings distance the BLASes that it wants.
+      if (i == options.warmup / 2)
+        if (auto done = matchDistance(contestants); !done) return done;
       for (auto& contestant : contestants)
         if (auto done = contestant->tick(kTick, i >= options.warmup); !done) return done;
+    }
   }
   std::vector<Image> composites, indirects;
   {
@@ -202,6 +261,9 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
     report.runs.push_back(contestants[i]->summary());
     report.runs.back().composite = {relativeMse(composites[i], composites[0]), ssim(composites[i], composites[0])};
     report.runs.back().indirect = {relativeMse(indirects[i], indirects[0]), ssim(indirects[i], indirects[0])};
+    if (!options.pictures.empty())
+      if (auto written = writePictures(options.pictures, options.strategies[i], composites[i], composites[0]); !written)
+        return written;
   }
   std::cout << (options.json ? toJson(report).dump(2) + "\n" : toMarkdown(report)) << std::flush;
   if (!std::cout) return Error{ErrorKind::internal, "cannot write the result to standard output", {}, {}, {}};
@@ -212,8 +274,6 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
 
 void addCullingCommand(CLI::App& app, const std::string& command_line, Action& chosen) {
   const auto options = std::make_shared<CullingOptions>();
-  const auto strategies =
-      std::make_shared<std::vector<std::string>>(std::vector<std::string>{"full", "frustum_radius"});
   CLI::App& command =
       *app.add_subcommand("culling", "compares the culling strategies: times, memory and error by strategy");
   command.footer(kNotes);
@@ -226,23 +286,27 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--samples", options->samples, "a pixel, averaged for the image error; a multiple of 8")
       ->capture_default_str()
       ->check(CLI::Range(8, 1'000'000).description(""));
-  command.add_option("--strategies", *strategies, "full, then what is compared with it")
+  command.add_option("--strategies", options->strategies, "full, then what is compared with it; distance needs lipac")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::IsMember({"full", "frustum_radius"}));
+      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "none", "distance"}));
   addSettingOptions(command, options->settings);
   command.add_flag("--one-call-a-blas", options->one_call_a_blas,
                    "builds BLASes of instances' own one by one: what the batch saves");
+  command.add_option("--pictures", options->pictures, "folder for each strategy's picture and its error as PNG");
   command.add_option("--device", options->device,
                      "part of a Vulkan device's name, cpu or gpu; default: HELIOGRAPH_DEVICE, then the best there is");
   command.add_flag("--json", options->json, "one JSON document, schema heliograph.bench.culling/1");
   command.add_option("--plot", options->plot, "SVG file for bars of times and memory");
-  command.callback([&chosen, options, strategies, command_line] {
-    if (strategies->empty() || strategies->front() != "full")
+  command.callback([&chosen, options, command_line] {
+    const std::vector<std::string>& strategies = options->strategies;
+    if (strategies.empty() || strategies.front() != "full")
       throw CLI::ValidationError("--strategies", "errors are against full: give it first");
-    options->strategies.clear();
-    for (const std::string& strategy : *strategies)
-      options->strategies.push_back(strategy == "full" ? render::Culling::full : render::Culling::frustum_radius);
+    const auto has = [&](const char* name) {
+      return std::find(strategies.begin(), strategies.end(), name) != strategies.end();
+    };
+    if (has("distance") && !has("lipac"))
+      throw CLI::ValidationError("--strategies", "distance holds as many instances as lipac: give lipac too");
     if (auto valid = check(options->stage); !valid) throw CLI::ValidationError("--scene", valid.error().message);
     chosen = [options, command_line] { return measureCulling(*options, command_line); };
   });

@@ -1,6 +1,7 @@
 // `helio-bench culling`: what the culling strategies cost and what they do to the picture, on one scene in one run.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct CullingOptions {
   uint32_t frames = 40;
   uint32_t warmup = 10;
   uint32_t samples = 256;  ///< averaged for the image error
-  std::vector<render::Culling> strategies = {render::Culling::full, render::Culling::frustum_radius};
+  std::vector<std::string> strategies = {"full", "frustum_radius"};
+  std::string pictures;               ///< a folder for each strategy's picture and its error; empty: none
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
   bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
   std::string device;
@@ -37,7 +39,10 @@ struct CullingRun {
   std::string strategy;
   Summary tlas_instances, own_blas_count, own_blas_in_view, blas_triangles;
   Summary skin_ms;  ///< poses and deformed vertices
-  Summary blas_ms, tlas_ms, assemble_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms;
+  Summary blas_ms, tlas_ms, assemble_ms, feedback_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms;
+  Summary state_changes;  ///< instances a tick; 0 where nothing has states
+  uint64_t cycles = 0;    ///< hitboxes, and instances with a BLAS of their own, that went back in all measured ticks
+  std::optional<accel::LipacFigures> states;  ///< of the last measured tick
   render::AccelerationUse memory;
   uint64_t working_set_bytes = 0, cpu_bytes = 0;  ///< of the world (render::MemoryUse)
   ImageError composite, indirect;
@@ -51,7 +56,6 @@ struct CullingReport {
   std::vector<CullingRun> runs;
 };
 
-const char* name(render::Culling culling);
 Json toJson(const CullingReport& report);
 std::string toMarkdown(const CullingReport& report);
 /// Bars a strategy for times and memory.

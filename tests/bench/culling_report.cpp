@@ -20,6 +20,7 @@ Json toJson(const CullingRun& run) {
             {"own_vertices", memory.own_vertex_bytes},
             {"tlas", memory.tlas_bytes},
             {"scratch", memory.scratch_bytes},
+            {"culling", memory.culling_bytes},
             {"total", memory.total()}}},
           {"compaction_saved_bytes", memory.compaction_saved_bytes},
           {"working_set_bytes", run.working_set_bytes},
@@ -29,6 +30,9 @@ Json toJson(const CullingRun& run) {
           {"blas_ms", toJson(run.blas_ms)},
           {"tlas_ms", toJson(run.tlas_ms)},
           {"assemble_ms", toJson(run.assemble_ms)},
+          {"feedback_ms", toJson(run.feedback_ms)},
+          {"state_changes", toJson(run.state_changes)},
+          {"cycles", run.cycles},
           {"path_trace_ms", toJson(run.path_trace_ms)},
           {"shadow_ms", toJson(run.shadow_ms)},
           {"primary_ms", toJson(run.primary_ms)},
@@ -48,6 +52,7 @@ struct Quantity {
 constexpr Quantity kTimes[] = {{"skin", [](const CullingRun& r) { return r.skin_ms.median; }},
                                {"blas", [](const CullingRun& r) { return r.blas_ms.median; }},
                                {"assemble", [](const CullingRun& r) { return r.assemble_ms.median; }},
+                               {"feedback", [](const CullingRun& r) { return r.feedback_ms.median; }},
                                {"tlas", [](const CullingRun& r) { return r.tlas_ms.median; }},
                                {"primary", [](const CullingRun& r) { return r.primary_ms.median; }},
                                {"path trace", [](const CullingRun& r) { return r.path_trace_ms.median; }},
@@ -86,8 +91,6 @@ std::string bars(const std::vector<CullingRun>& runs, const Quantity (&quantitie
 
 }  // namespace
 
-const char* name(render::Culling culling) { return culling == render::Culling::full ? "full" : "frustum_radius"; }
-
 Json toJson(const CullingReport& report) {
   Json json = {{"schema", "heliograph.bench.culling/1"}};
   append(json, report.provenance);
@@ -121,6 +124,16 @@ std::string toMarkdown(const CullingReport& report) {
   row("TLAS instances", [](const CullingRun& r) { return count(r.tlas_instances); });
   row("own BLASes", [](const CullingRun& r) { return count(r.own_blas_count); });
   row("own BLASes in view", [](const CullingRun& r) { return count(r.own_blas_in_view); });
+  const auto state = [&](const char* label, uint32_t accel::LipacFigures::*figure) {
+    row(label, [figure](const CullingRun& r) { return r.states ? grouped(*r.states.*figure) : std::string("-"); });
+  };
+  state("instances: active", &accel::LipacFigures::active);
+  state("instances: omitted", &accel::LipacFigures::omitted);
+  state("instances: requested", &accel::LipacFigures::requested);
+  state("instances: inactive", &accel::LipacFigures::inactive);
+  state("hitboxes in the TLAS", &accel::LipacFigures::boxes);
+  row("state changes a tick", [](const CullingRun& r) { return r.states ? count(r.state_changes) : "-"; });
+  row("cycles", [](const CullingRun& r) { return r.states ? grouped(r.cycles) : "-"; });
   row("BLAS triangles a tick", [](const CullingRun& r) { return count(r.blas_triangles); });
   row("memory: shared BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.shared_blas_bytes); });
   row("saved by compacting them, MB", [](const CullingRun& r) { return megabytes(r.memory.compaction_saved_bytes); });
@@ -128,12 +141,14 @@ std::string toMarkdown(const CullingReport& report) {
   row("memory: own vertices, MB", [](const CullingRun& r) { return megabytes(r.memory.own_vertex_bytes); });
   row("memory: TLAS, MB", [](const CullingRun& r) { return megabytes(r.memory.tlas_bytes); });
   row("memory: scratch, MB", [](const CullingRun& r) { return megabytes(r.memory.scratch_bytes); });
+  row("memory: counters and states, MB", [](const CullingRun& r) { return megabytes(r.memory.culling_bytes); });
   row("memory: total, MB", [](const CullingRun& r) { return megabytes(r.memory.total()); });
   row("memory: working set, MB", [](const CullingRun& r) { return megabytes(r.working_set_bytes); });
   row("memory: CPU, MB", [](const CullingRun& r) { return megabytes(r.cpu_bytes); });
   row("poses and skinning, ms", [](const CullingRun& r) { return ms(r.skin_ms); });
   row("BLAS, ms", [](const CullingRun& r) { return ms(r.blas_ms); });
   row("assemble, ms", [](const CullingRun& r) { return ms(r.assemble_ms); });
+  row("feedback, ms", [](const CullingRun& r) { return ms(r.feedback_ms); });
   row("TLAS, ms", [](const CullingRun& r) { return ms(r.tlas_ms); });
   row("primary hits, ms", [](const CullingRun& r) { return ms(r.primary_ms); });
   row("path trace, ms", [](const CullingRun& r) { return ms(r.path_trace_ms); });

@@ -165,6 +165,20 @@ Image rest(const Image& all, uint32_t n, const Image& part, uint32_t k) {
   return result;
 }
 
+std::vector<uint8_t> tonemapped(const Image& image, const Image& exposure) {
+  const glm::dvec3 average = mean(exposure);
+  const double scale = 0.18 / std::max(1e-9, glm::dot(average, glm::dvec3(0.2126, 0.7152, 0.0722)));
+  std::vector<uint8_t> rgbx;
+  for (size_t i = 0; i < image.rgb.size(); i += 3) {
+    for (size_t c = 0; c < 3; ++c) {
+      const double value = scale * std::max(0.0, static_cast<double>(image.rgb[i + c]));
+      rgbx.push_back(static_cast<uint8_t>(std::lround(255.0 * std::pow(value / (1.0 + value), 1.0 / 2.2))));
+    }
+    rgbx.push_back(255);
+  }
+  return rgbx;
+}
+
 std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double scale) {
   std::vector<uint8_t> rgba;
   for (size_t i = 0; i < a.rgb.size(); i += 3) {

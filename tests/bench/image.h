@@ -43,6 +43,10 @@ double noiseFloor(const Image& first, const Image& second);
 /// What `all` samples have without the first `part` of them: (n mean(n) - k mean(k)) / (n - k).
 Image rest(const Image& all, uint32_t n, const Image& part, uint32_t k);
 
+/// As ssim() sees it, but in colour: scaled so that the mean luminance of `exposure` is middle grey, compressed,
+/// encoded; four bytes a pixel.
+std::vector<uint8_t> tonemapped(const Image& image, const Image& exposure);
+
 /// Signed relative difference as a picture: grey where equal, redder where `a` is brighter, bluer where darker; full
 /// colour at `scale`.
 std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double scale);

@@ -29,8 +29,9 @@ render::Renderer& renderer() {
 
 Stage::Stage(scene::ScenePtr scene) : viewed_(orThrow(ViewedWorld::open(renderer(), std::move(scene)))) {}
 
-void Stage::setCulling(render::Culling culling) {
-  if (auto set = renderer().setCulling(viewed_->handle(), culling); !set) throw std::runtime_error(set.error().message);
+void Stage::setCulling(render::Culling culling, const render::CullingSettings& settings) {
+  if (auto set = renderer().setCulling(viewed_->handle(), culling, settings); !set)
+    throw std::runtime_error(set.error().message);
 }
 
 render::Frame Stage::tick(const scene::Camera& camera, const render::ViewSettings& settings) {

@@ -25,7 +25,8 @@ class Stage {
   void edit(const std::vector<world::Edit>& edits);
   /// Seconds that a tick advances the world's clock by; 1/60 at first.
   void setStep(double seconds) { step_ = seconds; }
-  void setCulling(render::Culling culling);
+  void setCulling(render::Culling culling, const render::CullingSettings& settings = {});
+  render::WorldHandle handle() const { return viewed_->handle(); }
   world::World& world() { return viewed_->world(); }
 
  private:

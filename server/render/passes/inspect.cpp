@@ -2,7 +2,7 @@
 
 namespace helio::render {
 namespace {
-constexpr size_t kInspectConstant = 49, kConstants = 50;  // its id in inspect.comp
+constexpr size_t kInspectConstant = 47, kConstants = 48;  // its id in inspect.comp
 }
 
 void InspectPass::add(const ViewPass& pass, const shared::SampleConstants& sample) {

@@ -17,6 +17,7 @@ struct ViewPass {
   Resource tlas;
   Resource instances;
   PathQueue& paths;
+  Resource hits = nullptr;  ///< what rays count into; null: they do not
 };
 
 /// Groups of `size` x `size` pixels that cover the view.

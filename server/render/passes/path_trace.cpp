@@ -12,8 +12,8 @@ namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
-                 kMultipleScatteringConstant = 42, kManyLampsConstant = 45, kSunShadowConstant = 46,
-                 kSplitConstant = 48, kConstants = 49;
+                 kMultipleScatteringConstant = 42, kManyLampsConstant = 43, kSunShadowConstant = 44,
+                 kCountHitsConstant = 45, kSplitConstant = 46, kConstants = 47;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -37,10 +37,16 @@ PathTrace::PathTrace(gpu::Device& device) : device_(device), compact_(device, "p
 
 gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::EffectSet effects,
                                          const gpu::Specialisation& constants) {
-  return {raygen,
-          {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"},
-          {{"path_trace/surface.rchit", anyHit(effects)}},
-          constants};
+  gpu::RayTracingDescription description{raygen,
+                                         {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"},
+                                         {{"path_trace/surface.rchit", anyHit(effects)}},
+                                         constants};
+  // Only rays that count can meet boxes.
+  if (constants.size() > kCountHitsConstant && constants[kCountHitsConstant]) {
+    description.hits.push_back({"lipac/cell.rchit", ""});
+    description.hits.push_back({"lipac/omitted.rchit", ""});
+  }
+  return description;
 }
 
 std::string anyHit(effects::EffectSet effects) {
@@ -48,7 +54,7 @@ std::string anyHit(effects::EffectSet effects) {
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
-                                                  bool log_rays) {
+                                                  bool log_rays, bool count_hits) {
   // What is shown takes emission's way.
   if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
   gpu::Specialisation constants = effects::specialisation(effects);
@@ -59,6 +65,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kMultipleScatteringConstant] = settings.multiple_scattering;
   constants[kManyLampsConstant] = settings.lamp_samples != 1;
   if (usesShadowMap(settings, effects)) constants[kSunShadowConstant] = static_cast<uint32_t>(settings.sun_shadow);
+  constants[kCountHitsConstant] = count_hits;
   constants[kSplitConstant] = splitsLight(settings) && !log_rays;
   {
     const std::lock_guard lock(mutex_);
@@ -106,20 +113,21 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false);
-  pass.graph.add("path_trace", pass.owner,
-                 {{pass.tlas, gpu::use::trace},
-                  {pass.instances, gpu::use::ray_read},
-                  {&view.constants, gpu::use::ray_read},
-                  {&view.visibility, gpu::use::ray_read},
-                  {&view.shadow_image, gpu::use::ray_read},
-                  {&pass.paths, kQueueUse},
-                  {&view.radiance, gpu::use::ray_write},
-                  {&view.path_info, kPathUse},
-                  // Light by lobe, and the surfaces that belong to it.
-                  {&view.histories.diffuse, gpu::use::ray_write},
-                  {&view.histories.surface(), gpu::use::ray_write},
-                  {&view.state, gpu::use::ray_write}},
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false, pass.hits != nullptr);
+  std::vector<Access> accesses{{pass.tlas, gpu::use::trace},
+                               {pass.instances, gpu::use::ray_read},
+                               {&view.constants, gpu::use::ray_read},
+                               {&view.visibility, gpu::use::ray_read},
+                               {&view.shadow_image, gpu::use::ray_read},
+                               {&pass.paths, kQueueUse},
+                               {&view.radiance, gpu::use::ray_write},
+                               {&view.path_info, kPathUse},
+                               // Light by lobe, and the surfaces that belong to it.
+                               {&view.histories.diffuse, gpu::use::ray_write},
+                               {&view.histories.surface(), gpu::use::ray_write},
+                               {&view.state, gpu::use::ray_write}};
+  if (pass.hits) accesses.push_back({pass.hits, gpu::use::ray_write});
+  pass.graph.add("path_trace", pass.owner, std::move(accesses),
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
                    record(commands, pipeline, view, paths, sample);
                  });
@@ -127,7 +135,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},

@@ -35,7 +35,8 @@ class PathTrace {
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
-  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays);
+  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays,
+                                         bool count_hits);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;

@@ -59,7 +59,7 @@ ShadowMapPass::ShadowMapPass(gpu::Device& device)
           device, {"shadow_map/shadow_map.vert", "shadow_map/shadow_map.frag", {}, VK_FORMAT_D32_SFLOAT, {}})) {}
 
 void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun,
-                        const accel::OrderBlock& world, VkDeviceAddress filter) const {
+                        const accel::OrderBlock& world, const gpu::Buffer* filter) const {
   View& view = pass.view;
   const ViewSettings& settings = view.settings();
   shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
@@ -68,15 +68,16 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   for (uint32_t c = 0; c < shared::kShadowCascades; ++c)
     volumes[c] = casters(map, map.cascades[c], settings.levels_of_detail);
 
-  pass.graph.add("shadow_cull", pass.owner,
-                 {{&raster.table, gpu::use::compute_read},
-                  {pass.instances, gpu::use::compute_read},
-                  {&view.shadow_draws, DrawLists::kWrite},
-                  {&view.shadow_constants, gpu::use::transfer_write}},
+  std::vector<Access> accesses{{&raster.table, gpu::use::compute_read},
+                               {pass.instances, gpu::use::compute_read},
+                               {&view.shadow_draws, DrawLists::kWrite},
+                               {&view.shadow_constants, gpu::use::transfer_write}};
+  if (filter) accesses.push_back({pass.hits, gpu::use::compute_read});
+  pass.graph.add("shadow_cull", pass.owner, std::move(accesses),
                  [&view, raster, map, volumes, filter](gpu::Commands& commands) {
                    commands.upload<shared::ShadowMap>(view.shadow_constants, 0, std::span(&map, 1));
                    view.shadow_draws.cull(commands, raster.culling, raster.scene, raster.table, raster.instances,
-                                          volumes, filter);
+                                          volumes, filter ? filter->address() : 0);
                  });
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);

@@ -20,9 +20,10 @@ shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& t
 class ShadowMapPass {
  public:
   explicit ShadowMapPass(gpu::Device& device);
-  /// `filter`: a word a slot, 0 where rays meet the instance and the map need not have it; address 0: all are drawn.
+  /// `filter`: a word a slot, 0 where rays meet the instance and the map need not have it, which `pass.hits` stands for
+  /// in the graph; null: all are drawn.
   void add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun, const accel::OrderBlock& world,
-           VkDeviceAddress filter = 0) const;
+           const gpu::Buffer* filter = nullptr) const;
 
  private:
   std::array<gpu::RasterPipeline, 2> pipelines_;

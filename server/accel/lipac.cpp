@@ -1,0 +1,353 @@
+#include "accel/lipac.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace helio::accel {
+namespace {
+
+using shared::LipacCommand;
+using shared::LipacStatus;
+
+constexpr double kMargin = 512.0;       // metres around the scene that users build in
+constexpr uint32_t kFirstGuess = 4096;  // entries, before any are known
+
+constexpr uint64_t kCommandsAt = gpu::alignUp(sizeof(LipacStatus), 16);
+
+uint32_t powerAbove(uint32_t count, uint32_t least) {
+  while (least < count) least *= 2;
+  return least;
+}
+
+uint32_t groups(uint32_t threads) { return (threads + shared::kLipacGroup - 1) / shared::kLipacGroup; }
+
+/// In the counters' unit.
+uint32_t threshold(float hits) {
+  if (!(hits <= LipacSettings::kHighestThreshold)) return shared::kNever;
+  return std::max(1u, static_cast<uint32_t>(std::lround(hits * static_cast<float>(shared::kHitUnit))));
+}
+
+}  // namespace
+
+LipacGrid gridOf(const scene::Scene& scene) {
+  glm::dvec2 low(0.0), high(0.0);
+  for (size_t i = 0; i < scene.placements.size(); ++i) {
+    const glm::vec3 place = scene.placements[i].transform[3];
+    const glm::dvec2 at(place.x, place.z);
+    low = i == 0 ? at : glm::min(low, at);
+    high = i == 0 ? at : glm::max(high, at);
+  }
+  const double side = std::max(high.x - low.x, high.y - low.y) + 2.0 * kMargin;
+  LipacGrid grid;
+  grid.bits = 5;
+  while (grid.bits < shared::kGridBitsMost && std::ldexp(shared::kCellMetres, static_cast<int>(grid.bits)) < side)
+    ++grid.bits;
+  const glm::dvec2 corner =
+      0.5 * (low + high) - 0.5 * std::ldexp(static_cast<double>(shared::kCellMetres), static_cast<int>(grid.bits));
+  grid.x = static_cast<int32_t>(std::floor(corner.x / shared::kCellMetres));
+  grid.z = static_cast<int32_t>(std::floor(corner.y / shared::kCellMetres));
+  return grid;
+}
+
+Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene, const LipacSettings& settings)
+    : device_(device),
+      settings_(settings),
+      grid_(gridOf(scene)),
+      patch_(device, "lipac/patch.comp"),
+      reset_(device, "lipac/reset.comp"),
+      classify_(device, "lipac/classify.comp"),
+      count_boxes_(device, "lipac/count_boxes.comp"),
+      count_entries_(device, "lipac/count_entries.comp"),
+      offsets_(device, "lipac/offsets.comp"),
+      emit_(device, "lipac/emit.comp"),
+      emit_boxes_(device, "lipac/emit_boxes.comp"),
+      gather_(device, "lipac/gather.comp"),
+      decide_hitboxes_(device, "lipac/hitboxes.comp"),
+      decide_(device, "lipac/decide.comp") {
+  using enum gpu::MemoryCategory;
+  std::vector<shared::MeshBounds> bounds;
+  for (const scene::Mesh& mesh : scene.meshes) bounds.push_back({mesh.bounds.centre(), 0.5f * mesh.bounds.extent()});
+  bounds_ = gpu::Buffer(device, {"bounds of meshes", bounds.size() * sizeof(shared::MeshBounds), ray_tracing});
+  hitboxes_ = gpu::Buffer(device, {"the hitboxes", grid_.cells() * sizeof(shared::Hitbox), ray_tracing});
+  reaches_ = gpu::Buffer(device, {"the reach of hitboxes", grid_.cells() * sizeof(uint32_t), ray_tracing});
+  box_sums_ = gpu::Buffer(device, {"sums of hitboxes", groups(grid_.cells()) * sizeof(uint32_t), ray_tracing});
+  tick_buffer_ = gpu::Buffer(device, {"the constants of culling", sizeof(shared::LipacTick), ray_tracing});
+
+  // The unit cube that stands for what is culled.
+  std::vector<glm::vec3> corners;
+  for (uint32_t i = 0; i < 8; ++i) corners.emplace_back(i & 1u, i >> 1 & 1u, i >> 2);
+  const std::vector<uint32_t> triangles = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
+                                           2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+  constexpr VkBufferUsageFlags kInput = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR;
+  cube_positions_ = gpu::Buffer(
+      device, {"the cube's corners", corners.size() * sizeof(glm::vec3), ray_tracing, gpu::Placement::device, kInput});
+  cube_indices_ = gpu::Buffer(device, {"the cube's triangles", triangles.size() * sizeof(uint32_t), ray_tracing,
+                                       gpu::Placement::device, kInput});
+  commands.begin();
+  commands.upload<shared::MeshBounds>(bounds_, 0, bounds);
+  commands.upload<glm::vec3>(cube_positions_, 0, corners);
+  commands.upload<uint32_t>(cube_indices_, 0, triangles);
+  commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
+  const gpu::BlasInput cube{
+      "the unit cube",
+      {{cube_positions_.address(), 8, cube_indices_.address(), static_cast<uint32_t>(triangles.size() / 3), true}}};
+  cube_ = std::move(gpu::buildBlases(commands, {&cube, 1}).front());
+  commands.submit();
+  (void)commands.finish();
+}
+
+void Lipac::noteEdits(const world::ChangeSet& changes, const InstanceTable& table) {
+  figures_.cpu_visits = changes.slots.size();
+  for (const auto& [slot, instance] : changes.slots) {
+    const uint32_t before = slot < table.instances().size() ? table.instances()[slot].prefab : scene::kNone;
+    if (before == scene::kNone || before == instance.prefab) continue;
+    patches_.push_back({slot, shared::kPatchReset});
+    granted_.erase(slot);
+  }
+}
+
+LipacStatus Lipac::statusIn(const Returned& returned) const {
+  returned.buffer.invalidate();
+  LipacStatus status;
+  std::memcpy(&status, returned.buffer.mapped(), sizeof status);
+  return status;
+}
+
+std::vector<uint32_t> Lipac::begin(const Units& units) {
+  asked_.clear();
+  if (const Returned& returned = returned_[ticks_ % kDelay]; returned.written) {
+    const LipacStatus status = statusIn(returned);
+    // Those that wanted in then, and those whose states have called for it since.
+    uint32_t wanted = 0;
+    for (const uint32_t count : status.ranks) wanted += count;
+    const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
+                            status.states[shared::kStateActive];
+    entries_known_ = status.boxes + std::max(wanted, called);
+    const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
+    for (uint32_t i = 0; i < std::min(status.commands, command_capacity_); ++i) {
+      if (commands[i].slot & shared::kCommandRemove) granted_.erase(commands[i].slot & ~shared::kCommandRemove);
+      else asked_.push_back(commands[i]);
+    }
+    figures_.cpu_visits += status.commands;
+  }
+  // The GPU appends in whatever order its threads come.
+  std::sort(asked_.begin(), asked_.end(), [](const LipacCommand& a, const LipacCommand& b) {
+    return a.hits != b.hits ? a.hits > b.hits : a.slot < b.slot;
+  });
+
+  std::vector<uint32_t> wanted;
+  for (auto slot = granted_.begin(); slot != granted_.end();) {
+    const uint32_t unit = units.unitOf(*slot);
+    if (unit == scene::kNone) {
+      slot = granted_.erase(slot);
+    } else {
+      wanted.push_back(unit);
+      ++slot;
+    }
+  }
+  figures_.cpu_visits += wanted.size();
+  for (const LipacCommand& command : asked_)
+    if (const uint32_t unit = units.unitOf(command.slot); unit != scene::kNone && !granted_.contains(command.slot))
+      wanted.push_back(unit);
+  return wanted;
+}
+
+void Lipac::serve(const OwnBlases& blases, const Units& units) {
+  figures_.wanted = static_cast<uint32_t>(asked_.size());
+  figures_.served = 0;
+  for (const LipacCommand& command : asked_) {
+    const uint32_t unit = units.unitOf(command.slot);
+    if (unit == scene::kNone || !blases.inTlas(unit)) continue;
+    granted_.insert(command.slot);
+    patches_.push_back({command.slot, shared::kPatchGrant});
+    ++figures_.served;
+  }
+  figures_.left_over = figures_.wanted - figures_.served;
+}
+
+uint32_t Lipac::wantedEntries(uint32_t instances) const {
+  return entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
+}
+
+void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
+  using enum gpu::MemoryCategory;
+  // Counters keep what they hold; what is new begins with nothing.
+  const auto keep = [&](gpu::Buffer& buffer, const char* name) {
+    const uint64_t bytes = uint64_t{powerAbove(world.slots, 1024)} * sizeof(uint32_t);
+    if (buffer.size() >= bytes) return;
+    gpu::Buffer larger(device_, {name, bytes, ray_tracing});
+    commands.fill(larger, 0);
+    if (buffer && !fresh_) {
+      commands.barrier(gpu::use::transfer_write, gpu::use::transfer_write);
+      commands.copy(buffer, larger, buffer.size());
+    }
+    if (buffer) commands.retire(std::move(buffer));
+    buffer = std::move(larger);
+  };
+  if (fresh_) {
+    commands.fill(hitboxes_, 0);
+    if (words_) commands.fill(words_, 0);
+    if (hits_) commands.fill(hits_, 0);
+    commands.barrier(gpu::use::transfer_write, gpu::use::transfer_write);
+  }
+  keep(words_, "state words of instances");
+  keep(hits_, "hits of instances");
+  keep(untraced_, "what rays do not meet");
+  fresh_ = false;
+
+  const auto renew = [&](gpu::Buffer& buffer, const char* name, uint64_t bytes) {
+    if (buffer.size() >= bytes) return;
+    if (buffer) commands.retire(std::move(buffer));
+    buffer = gpu::Buffer(device_, {name, bytes, ray_tracing});
+  };
+  const uint32_t entries = powerAbove(world.count, 1024);
+  renew(entries_, "entries of the order", uint64_t{entries} * sizeof(uint32_t));
+  renew(entry_sums_, "sums of entries", uint64_t{groups(entries)} * sizeof(glm::uvec2));
+  // Whoever needs a BLAS of its own gives one command a tick at most.
+  if (const uint32_t capacity = powerAbove(unit_count, 256); capacity > command_capacity_) {
+    command_capacity_ = capacity;
+    const uint64_t bytes = kCommandsAt + uint64_t{capacity} * sizeof(LipacCommand);
+    renew(result_, "what culling came to", bytes);
+    for (Returned& returned : returned_)
+      returned = {gpu::Buffer(device_, {"what culling came to, read back", bytes, transfer, gpu::Placement::readback}),
+                  false};
+  }
+}
+
+void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
+  grow(commands, world, unit_count);
+  const uint64_t patch_bytes = patches_.size() * sizeof(shared::LipacPatch);
+  if (patch_buffer_.size() < patch_bytes) {
+    if (patch_buffer_) commands.retire(std::move(patch_buffer_));
+    patch_buffer_ = gpu::Buffer(
+        device_, {"what culling was told", patch_bytes + patch_bytes / 2, gpu::MemoryCategory::ray_tracing});
+  }
+  if (!patches_.empty()) commands.upload<shared::LipacPatch>(patch_buffer_, 0, patches_);
+
+  tick_ = {};
+  tick_.order = world.order;
+  tick_.instances = world.instances;
+  tick_.meshes = world.meshes;
+  tick_.bounds = bounds_.address();
+  tick_.hits = hits_.address();
+  tick_.words = words_.address();
+  tick_.entries = entries_.address();
+  tick_.untraced = untraced_.address();
+  tick_.cells = hitboxes_.address();
+  tick_.reaches = reaches_.address();
+  tick_.entry_sums = entry_sums_.address();
+  tick_.box_sums = box_sums_.address();
+  tick_.status = result_.address();
+  tick_.commands = result_.address() + kCommandsAt;
+  tick_.patches = patches_.empty() ? 0 : patch_buffer_.address();
+  tick_.cube = cube_.address();
+  tick_.grid_x = grid_.x;
+  tick_.grid_z = grid_.z;
+  tick_.grid_bits = grid_.bits;
+  tick_.count = world.count;
+  tick_.command_capacity = command_capacity_;
+  tick_.patch_count = static_cast<uint32_t>(patches_.size());
+  tick_.tick = ticks_;
+  tick_.box_activate = threshold(settings_.box_activate);
+  tick_.box_deactivate = threshold(settings_.box_deactivate);
+  tick_.own_activate = threshold(settings_.own_activate);
+  tick_.own_deactivate = threshold(settings_.own_deactivate);
+  tick_.box_above = settings_.frames_above;
+  tick_.box_below = settings_.frames_below;
+  tick_.own_above = settings_.literal ? 1 : settings_.frames_above;
+  tick_.own_below = settings_.literal ? 1 : settings_.frames_below;
+  tick_.literal = settings_.literal;
+}
+
+void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeline, uint32_t threads) const {
+  commands.bind(pipeline);
+  commands.push(shared::LipacPush{tick_buffer_.address()});
+  commands.dispatch(groups(threads));
+}
+
+void Lipac::assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t capacity) {
+  const auto wait = [&] { commands.barrier(gpu::use::compute_write, gpu::use::compute_write); };
+  tick_.output_ = output;
+  tick_.capacity = capacity;
+  commands.upload<shared::LipacTick>(tick_buffer_, 0, std::span(&tick_, 1));
+  commands.barrier(gpu::use::transfer_write, gpu::use::compute_write);
+  if (tick_.patch_count > 0) dispatch(commands, patch_, tick_.patch_count);
+  patches_.clear();
+  dispatch(commands, reset_, grid_.cells());
+  wait();
+  dispatch(commands, classify_, tick_.count);
+  wait();
+  dispatch(commands, count_boxes_, grid_.cells());
+  wait();
+  dispatch(commands, count_entries_, tick_.count);
+  wait();
+  commands.bind(offsets_);
+  commands.push(shared::LipacPush{tick_buffer_.address()});
+  commands.dispatch(1);
+  wait();
+  dispatch(commands, emit_, tick_.count);
+  dispatch(commands, emit_boxes_, std::max(grid_.cells(), capacity));
+}
+
+void Lipac::feedback(gpu::Commands& commands, bool counted) {
+  const auto wait = [&] { commands.barrier(gpu::use::compute_write, gpu::use::compute_write); };
+  if (counted) {
+    dispatch(commands, gather_, tick_.count);
+    wait();
+    dispatch(commands, decide_hitboxes_, grid_.cells());
+    wait();
+    dispatch(commands, decide_, tick_.count);
+  }
+  commands.barrier(gpu::use::compute_write, gpu::use::transfer_read);
+  Returned& returned = returned_[ticks_ % kDelay];
+  commands.copy(result_, returned.buffer, result_.size());
+  commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
+  returned.written = true;
+  ++ticks_;
+}
+
+void Lipac::forget() {
+  fresh_ = true;
+  granted_.clear();
+  asked_.clear();
+  patches_.clear();
+  entries_known_ = 0;
+  for (Returned& returned : returned_) returned.written = false;
+}
+
+LipacFigures Lipac::figures() const {
+  LipacFigures figures = figures_;
+  const Returned& returned = returned_[(ticks_ + kDelay - 1) % kDelay];
+  if (!returned.written) return figures;
+  const LipacStatus status = statusIn(returned);
+  figures.inactive = status.states[shared::kStateInactive];
+  figures.omitted = status.states[shared::kStateOmitted];
+  figures.requested = status.states[shared::kStateRequested];
+  figures.active = status.states[shared::kStateActive];
+  figures.active_hitboxes = status.active_hitboxes;
+  figures.boxes = status.boxes;
+  figures.entries = status.entries;
+  figures.dropped = status.dropped;
+  figures.changes = status.changes;
+  figures.cycles = status.cycles;
+  return figures;
+}
+
+std::span<const LipacCommand> Lipac::commands() const {
+  const Returned& returned = returned_[(ticks_ + kDelay - 1) % kDelay];
+  if (!returned.written) return {};
+  const uint32_t count = std::min(statusIn(returned).commands, command_capacity_);
+  return {reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt), count};
+}
+
+uint64_t Lipac::bytes() const {
+  uint64_t bytes = cube_.size();
+  for (const gpu::Buffer* buffer :
+       {&bounds_, &cube_positions_, &cube_indices_, &words_, &hits_, &untraced_, &entries_, &hitboxes_, &reaches_,
+        &entry_sums_, &box_sums_, &tick_buffer_, &patch_buffer_, &result_})
+    bytes += buffer->size();
+  return bytes;
+}
+
+}  // namespace helio::accel

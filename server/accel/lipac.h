@@ -1,0 +1,112 @@
+// Light path guided culling [Kelling, Ströter, Kuijper 2024]: rays count whom they meet, and the TLAS holds what is met
+// often. GPU-driven: the CPU sees commands, edits and BLASes of instances' own, never all instances. README.md explains
+// it.
+#pragma once
+
+#include <array>
+#include <set>
+#include <span>
+#include <vector>
+
+#include "accel/lipac_settings.h"
+#include "accel/own_blases.h"
+#include "accel/tlas_assembly.h"
+#include "shared/lipac.h"
+
+namespace helio::accel {
+
+/// The tables that a tick's culling reads.
+struct LipacWorld {
+  VkDeviceAddress order = 0;      ///< uint: slots in Morton order
+  VkDeviceAddress instances = 0;  ///< InstanceRecord by slot
+  VkDeviceAddress meshes = 0;     ///< MeshRecord
+  uint32_t count = 0;             ///< entries of the order
+  uint32_t slots = 0;
+};
+
+/// A square of cells in the ground plane, a power of two wide.
+struct LipacGrid {
+  int32_t x = 0, z = 0;  ///< the first cell
+  uint32_t bits = 0;
+  uint32_t cells() const { return 1u << 2 * bits; }
+};
+/// Covers the scene's placements with a margin for what users build; at most 1024 x 1024 cells around its middle.
+LipacGrid gridOf(const scene::Scene& scene);
+
+/// One a world. A tick calls, in this order: noteEdits, begin, serve, upload, assemble, (rays,) feedback.
+/// Deterministic: states are a function of the hits of the ticks before.
+class Lipac {
+ public:
+  /// Ticks from a command's writing to its reading.
+  static constexpr uint32_t kDelay = 1;
+
+  Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene, const LipacSettings& settings);
+
+  /// Before `table` takes over the changes: whoever gets another's slot begins anew.
+  void noteEdits(const world::ChangeSet& changes, const InstanceTable& table);
+  /// Reads what the GPU asked for kDelay ticks ago. The units that need a BLAS in this tick, the most important first:
+  /// those that have one, then those that are hit most.
+  std::vector<uint32_t> begin(const Units& units);
+  /// After OwnBlases::plan(): grants what has a BLAS now. The rest is asked for again by the GPU.
+  void serve(const OwnBlases& blases, const Units& units);
+  /// Entries that the TLAS needs room for, as far as is known.
+  uint32_t wantedEntries(uint32_t instances) const;
+
+  /// Records the copies of what the passes below read (transfer writes).
+  void upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);
+  /// Compute: applies what was granted, then writes the TLAS instances into `output`, which has room for `capacity`.
+  void assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t capacity);
+  /// Compute: weighs this tick's hits and changes states. `counted` false: not every viewer has counted yet, so states
+  /// stay and counters go on. Ends with the copy that begin() reads.
+  void feedback(gpu::Commands& commands, bool counted);
+  /// After a tick that failed: everything begins anew.
+  void forget();
+
+  const LipacSettings& settings() const { return settings_; }
+  /// Of the last tick; after its commands are done.
+  LipacFigures figures() const;
+  /// What it asked for, in no order. After its commands are done.
+  std::span<const shared::LipacCommand> commands() const;
+  const std::set<uint32_t>& granted() const { return granted_; }  ///< slots that have a BLAS of their own
+  uint64_t bytes() const;
+
+  const LipacGrid& grid() const { return grid_; }
+  const gpu::Buffer& words() const { return words_; }        ///< state words, by slot
+  const gpu::Buffer& hits() const { return hits_; }          ///< counters, by slot
+  const gpu::Buffer& untraced() const { return untraced_; }  ///< by slot: 0 where rays meet it in this tick
+  const gpu::Buffer& entries() const { return entries_; }    ///< of this tick's order
+  const gpu::Buffer& hitboxes() const { return hitboxes_; }
+
+ private:
+  struct Returned {
+    gpu::Buffer buffer;  // LipacStatus, then commands
+    bool written = false;
+  };
+  void grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);
+  shared::LipacStatus statusIn(const Returned& returned) const;
+  void dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeline, uint32_t threads) const;
+
+  gpu::Device& device_;
+  LipacSettings settings_;
+  LipacGrid grid_;
+  gpu::Buffer bounds_, cube_positions_, cube_indices_;
+  gpu::AccelerationStructure cube_;
+  gpu::ComputePipeline patch_, reset_, classify_, count_boxes_, count_entries_, offsets_, emit_, emit_boxes_, gather_,
+      decide_hitboxes_, decide_;
+
+  gpu::Buffer words_, hits_, untraced_, entries_, hitboxes_, reaches_, entry_sums_, box_sums_;
+  gpu::Buffer tick_buffer_, patch_buffer_, result_;  // result_: LipacStatus, then commands
+  uint32_t command_capacity_ = 0;
+  bool fresh_ = true;  // the counters hold nothing yet
+  std::array<Returned, kDelay> returned_;
+
+  shared::LipacTick tick_{};
+  uint32_t ticks_ = 0;
+  uint32_t entries_known_ = 0;  // that were wanted kDelay ticks ago; 0: not known
+  std::set<uint32_t> granted_;
+  std::vector<shared::LipacCommand> asked_;  // this tick's, most hits first
+  std::vector<shared::LipacPatch> patches_;
+  LipacFigures figures_;
+};
+
+}  // namespace helio::accel

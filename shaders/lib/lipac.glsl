@@ -1,0 +1,140 @@
+// Light path guided culling: its tables, the grid of hitboxes, and the counter that both hitboxes and instances are.
+#ifndef HELIO_LIPAC_GLSL
+#define HELIO_LIPAC_GLSL
+#define HELIO_OWN_PUSH
+#include "lib/tables.glsl"
+#include "shared/assemble.h"
+#include "shared/lipac.h"
+
+layout(buffer_reference, scalar) readonly buffer LipacTickRef { LipacTick tick; };
+layout(buffer_reference, scalar) readonly buffer OrderTable { uint items[]; };
+layout(buffer_reference, scalar) readonly buffer BoundsTable { MeshBounds items[]; };
+layout(buffer_reference, scalar) buffer WordTable { uint items[]; };
+layout(buffer_reference, scalar) buffer HitboxTable { Hitbox items[]; };
+layout(buffer_reference, scalar) buffer PairTable { uvec2 items[]; };
+layout(buffer_reference, scalar) buffer StatusRef { LipacStatus status; };
+layout(push_constant, scalar) uniform Push { LipacPush push; };
+#define lipac LipacTickRef(push.tick).tick
+
+uint slotAt(uint entry) { return OrderTable(lipac.order).items[entry]; }
+uint cellCount() { return 1u << 2u * lipac.grid_bits; }
+
+// ---- Floats whose order is that of integers, for atomicMin and atomicMax ----
+
+uint ordered(float f) {
+  const uint bits = floatBitsToUint(f);
+  return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
+}
+float unordered(uint bits) { return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits); }
+
+// ---- The grid ----
+
+uint spreadBits(uint x) {
+  x = (x | x << 8) & 0x00ff00ffu;
+  x = (x | x << 4) & 0x0f0f0f0fu;
+  x = (x | x << 2) & 0x33333333u;
+  return (x | x << 1) & 0x55555555u;
+}
+uint gatherBits(uint x) {
+  x &= 0x55555555u;
+  x = (x | x >> 1) & 0x33333333u;
+  x = (x | x >> 2) & 0x0f0f0f0fu;
+  x = (x | x >> 4) & 0x00ff00ffu;
+  return (x | x >> 8) & 0x0000ffffu;
+}
+// kNoCell: outside.
+uint cellAt(vec3 position) {
+  const vec2 cell = floor(position.xz / float(kCellMetres)) - vec2(lipac.grid_x, lipac.grid_z);
+  const float side = float(1u << lipac.grid_bits);
+  if (any(lessThan(cell, vec2(0.0))) || any(greaterThanEqual(cell, vec2(side)))) return kNoCell;
+  return spreadBits(uint(cell.x)) | spreadBits(uint(cell.y)) << 1;
+}
+// Its corner with the lowest x and z.
+vec2 cellCorner(uint cell) {
+  return vec2(int(gatherBits(cell)) + lipac.grid_x, int(gatherBits(cell >> 1)) + lipac.grid_z) * float(kCellMetres);
+}
+
+// ---- Counters ----
+
+struct Counter {
+  uint state;
+  uint above;
+  uint below;
+  uint cycles;
+  bool marked;
+  uint smoothed;
+};
+
+Counter unpackCounter(uint word) {
+  return Counter(word & 3u, word >> kAboveShift & kAboveMost, word >> kBelowShift & kBelowMost, word >> kCyclesShift & 7u,
+                 (word & kMarkedBit) != 0u, word >> kSmoothedShift);
+}
+uint packCounter(Counter c) {
+  return c.state | c.above << kAboveShift | c.below << kBelowShift | c.cycles << kCyclesShift | (c.marked ? kMarkedBit : 0u) |
+         c.smoothed << kSmoothedShift;
+}
+
+void enter(inout Counter c, uint state) {
+  c.state = state;
+  c.above = c.below = 0u;
+}
+
+// Takes in a tick's hits.
+void smoothHits(inout Counter c, uint hits, uint index) {
+  const uint most = min(hits, kSmoothedMost);
+  c.smoothed = lipac.literal != 0u ? most : ((kSmoothing - 1u) * c.smoothed + most + kSmoothing / 2u) / kSmoothing;
+  if (c.cycles > 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
+}
+
+// Hits above `threshold` for `ticks` ticks, or above twice of it in this one. Each cycle doubles the threshold.
+bool hitOften(inout Counter c, uint hits, uint threshold, uint ticks) {
+  if (threshold == kNever) return false;
+  const uint raised = min(threshold << c.cycles, kSmoothedMost - kSmoothedMost / 16u);
+  c.above = c.smoothed > raised ? min(c.above + 1u, kAboveMost) : 0u;
+  return c.above >= ticks || hits > 2u * raised;
+}
+
+// Hits below `threshold` for `ticks` ticks.
+bool hitSeldom(inout Counter c, uint threshold, uint ticks) {
+  c.below = c.smoothed < threshold ? min(c.below + 1u, kBelowMost) : 0u;
+  return c.below >= ticks;
+}
+
+void countCycle(inout Counter c) {
+  if (lipac.literal == 0u) c.cycles = min(c.cycles + 1u, kCyclesMost);
+}
+
+// ---- Entries of the order ----
+
+uint cellOf(uint entry) { return entry & kNoCell; }
+uint rankOf(uint entry) { return entry >> kRankShift & kRankMost; }
+uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
+
+// The room that cells' boxes leave: ranks above `last` fit for sure, those equal to it as far as `room` goes.
+void findRoom(out uint last, out uint room) {
+  const LipacStatus status = StatusRef(lipac.status).status;
+  room = lipac.capacity - min(status.boxes, lipac.capacity);
+  for (last = kRankMost; last > 0u && status.ranks[last] <= room; --last) room -= status.ranks[last];
+}
+
+// How many threads of the group before this one have `mine`, and how many have it in all. A bit a thread: the same on every
+// device, whatever its subgroups are.
+const uint kBitWords = kLipacGroup / 32u;
+#define HELIO_GROUP_RANK(bits)                                                  \
+  uint groupRank_##bits(bool mine, out uint total) {                            \
+    const uint thread = gl_LocalInvocationIndex;                                \
+    if (thread < kBitWords) bits[thread] = 0u;                                  \
+    barrier();                                                                  \
+    if (mine) atomicOr(bits[thread / 32u], 1u << thread % 32u);                 \
+    barrier();                                                                  \
+    uint rank = bitCount(bits[thread / 32u] & ((1u << thread % 32u) - 1u));     \
+    total = 0u;                                                                 \
+    for (uint w = 0u; w < kBitWords; ++w) {                                     \
+      const uint count = uint(bitCount(bits[w]));                               \
+      if (w < thread / 32u) rank += count;                                      \
+      total += count;                                                           \
+    }                                                                           \
+    return rank;                                                                \
+  }
+
+#endif

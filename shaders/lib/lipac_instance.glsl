@@ -1,0 +1,40 @@
+// Light path guided culling: where an instance is, and what rays could meet of it.
+#ifndef HELIO_LIPAC_INSTANCE_GLSL
+#define HELIO_LIPAC_INSTANCE_GLSL
+#include "lib/lipac.glsl"
+
+#include "lib/deform.glsl"
+
+const float kThinnest = 0.005;  // metres: half of the least that a box is thick
+
+// World-space bounds; the hitbox of their centre, unless they are larger than two cells.
+struct Placed {
+  vec3 centre;
+  vec3 half_extent;
+  uint cell;
+};
+
+// What was scaled to nothing has no rows: rays cannot meet it.
+bool isThere(InstanceRecord instance) {
+  return instance.mesh != kNoMesh && (instance.rows[0].xyz != vec3(0.0) || instance.rows[1].xyz != vec3(0.0) || instance.rows[2].xyz != vec3(0.0));
+}
+
+// 0: none.
+uint64_t blasOf(InstanceRecord instance) {
+  if (instance.deform != 0ul) return DeformRef(instance.deform).record.blas;
+  const MeshRecord finest = MeshTable(lipac.meshes).items[instance.mesh];
+  return instance.level == 0u ? finest.blas : MeshTable(lipac.meshes).items[finest.coarser + instance.level - 1u].blas;
+}
+
+Placed placedOf(InstanceRecord instance) {
+  const MeshBounds bounds = BoundsTable(lipac.bounds).items[instance.mesh];
+  Placed placed;
+  for (int i = 0; i < 3; ++i) {
+    placed.centre[i] = dot(instance.rows[i], vec4(bounds.centre, 1.0));
+    placed.half_extent[i] = dot(abs(instance.rows[i].xyz), bounds.half_extent);
+  }
+  placed.cell = max(placed.half_extent.x, placed.half_extent.z) > float(kCellMetres) ? kNoCell : cellAt(placed.centre);
+  return placed;
+}
+
+#endif

@@ -1,0 +1,56 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Decides for every instance what the TLAS gets of it: itself, its bounds, or nothing but its share of its hitbox.
+#include "lib/lipac_instance.glsl"
+
+layout(local_size_x = kLipacGroup) in;
+
+shared uint ranks[kRanks];
+
+// The cell's box must cover what is inactive in it.
+void coverBy(Placed placed) {
+  HitboxTable cells = HitboxTable(lipac.cells);
+  if ((cells.items[placed.cell].word & 3u) == kStateActive) return;  // it has no box
+  atomicMin(cells.items[placed.cell].lowest, ordered(placed.centre.y - placed.half_extent.y));
+  atomicMax(cells.items[placed.cell].highest, ordered(placed.centre.y + placed.half_extent.y));
+  const vec2 middle = cellCorner(placed.cell) + 0.5 * float(kCellMetres);
+  const vec2 beyond = abs(placed.centre.xz - middle) + placed.half_extent.xz - 0.5 * float(kCellMetres);
+  const float reach = max(beyond.x, beyond.y);
+  if (reach > 0.0) atomicMax(WordTable(lipac.reaches).items[placed.cell], floatBitsToUint(reach));
+}
+
+void main() {
+  if (gl_LocalInvocationIndex < kRanks) ranks[gl_LocalInvocationIndex] = 0u;
+  barrier();
+  const uint index = gl_GlobalInvocationID.x;
+  if (index < lipac.count) {
+    const uint slot = slotAt(index);
+    const InstanceRecord instance = InstanceTable(lipac.instances).items[slot];
+    uint entry = kNoCell;
+    if (isThere(instance)) {
+      const Placed placed = placedOf(instance);
+      const bool has_blas = blasOf(instance) != 0ul;
+      const uint word = WordTable(lipac.words).items[slot];
+      uint state = word & 3u, kind = kKindNone;
+      // What is always active waits for its BLAS, and what lost its BLAS asks for it again.
+      const uint before = state;
+      if (placed.cell == kNoCell) state = has_blas ? kStateActive : kStateRequested;
+      else if (state == kStateActive && !has_blas) state = kStateRequested;
+      if (state != before) WordTable(lipac.words).items[slot] = word & ~3u | state;
+
+      if (state == kStateActive) kind = kKindInstance;
+      else if (state != kStateInactive) kind = kKindBox;
+      else coverBy(placed);
+      const uint rank = placed.cell == kNoCell ? kRankMost : uint(findMSB(word >> kSmoothedShift) + 1);
+      entry = placed.cell | rank << kRankShift | kind << kKindShift | kThereBit | (has_blas ? kHasBlasBit : 0u) |
+              (instance.deform != 0ul ? kOwnBlasBit : 0u);
+      if (kind != kKindNone) atomicAdd(ranks[rank], 1u);
+    }
+    WordTable(lipac.entries).items[index] = entry;
+  }
+  barrier();
+  if (gl_LocalInvocationIndex < kRanks && ranks[gl_LocalInvocationIndex] > 0u) {
+    StatusRef result = StatusRef(lipac.status);
+    atomicAdd(result.status.ranks[gl_LocalInvocationIndex], ranks[gl_LocalInvocationIndex]);
+  }
+}

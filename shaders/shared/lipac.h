@@ -1,0 +1,142 @@
+// Light path guided culling [Kelling, Ströter, Kuijper 2024, §3.2 to 3.5]: what counts hits and decides by them.
+#ifndef HELIO_SHARED_LIPAC_H
+#define HELIO_SHARED_LIPAC_H
+#include "shared/types.h"
+
+HELIO_SHARED_BEGIN
+
+// States of an instance; a hitbox is inactive or active.
+HELIO_CONSTANT kStateInactive = 0u;   // not in the TLAS; its hitbox stands for it there
+HELIO_CONSTANT kStateOmitted = 1u;    // its bounds stand for it
+HELIO_CONSTANT kStateRequested = 2u;  // as omitted, until it has a BLAS
+HELIO_CONSTANT kStateActive = 3u;     // in the TLAS
+HELIO_CONSTANT kStates = 4u;
+
+// A state word: state, ticks above and below a threshold in a row, completed cycles, whether it was met on a path of
+// mirrors alone, and hits smoothed over about 16 ticks.
+HELIO_CONSTANT kAboveShift = 2u;
+HELIO_CONSTANT kAboveMost = 7u;  // 3 bits
+HELIO_CONSTANT kBelowShift = 5u;
+HELIO_CONSTANT kBelowMost = 15u;  // 4 bits
+HELIO_CONSTANT kCyclesShift = 9u;
+HELIO_CONSTANT kCyclesMost = 5u;  // 3 bits
+HELIO_CONSTANT kMarkedBit = 0x1000u;
+HELIO_CONSTANT kSmoothedShift = 13u;
+HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
+
+HELIO_CONSTANT kSmoothing = 16u;      // ticks
+HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten
+HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
+
+// A counter of a tick: weighted hits in 1/8, so that a hit in a picture of 1920 x 1080 paths weighs 8.
+HELIO_CONSTANT kHitUnit = 8u;
+HELIO_CONSTANT kHitMarked = 0x80000000u;    // it was met on a path of mirrors alone
+HELIO_CONSTANT kHitDropped = 0xffffffffu;   // it found no room in this tick's TLAS
+HELIO_CONSTANT kReferencePaths = 2073600u;  // 1920 x 1080: what the thresholds refer to
+
+// The grid: square cells in the ground plane, Morton-ordered.
+HELIO_CONSTANT kCellMetres = 16u;
+HELIO_CONSTANT kGridBitsMost = 10u;  // 1024 x 1024 cells
+struct Hitbox {
+  uint word;
+  uint hits;
+  uint lowest;  // of what is inactive in it, as an ordered integer; lowest > highest: nothing
+  uint highest;
+};
+
+// An entry of the Morton order in this tick: what the feedback needs to know of it.
+HELIO_CONSTANT kCellBits = 20u;
+HELIO_CONSTANT kNoCell = 0xfffffu;  // too large for a cell, or outside of the grid: always active
+HELIO_CONSTANT kRankShift = 20u;    // logarithm of its smoothed hits: who stays when room runs out
+HELIO_CONSTANT kRankMost = 31u;
+HELIO_CONSTANT kRanks = 32u;
+HELIO_CONSTANT kKindShift = 25u;
+HELIO_CONSTANT kKindNone = 0u;
+HELIO_CONSTANT kKindInstance = 1u;
+HELIO_CONSTANT kKindBox = 2u;
+HELIO_CONSTANT kOwnBlasBit = 0x08000000u;  // it needs a BLAS of its own
+HELIO_CONSTANT kHasBlasBit = 0x10000000u;
+HELIO_CONSTANT kThereBit = 0x20000000u;  // rays could meet it
+
+HELIO_CONSTANT kLipacGroup = 256u;
+HELIO_CONSTANT kLipacScanGroup = 1024u;
+
+// From the GPU to the CPU: make sure of a BLAS, or let go of it.
+HELIO_CONSTANT kCommandRemove = 0x80000000u;
+struct LipacCommand {
+  uint slot;  // and kCommandRemove
+  uint hits;  // weighted, in 1/8: the most urgent have the most
+};
+
+// From the CPU to the GPU.
+HELIO_CONSTANT kPatchReset = 0u;  // another instance has the slot
+HELIO_CONSTANT kPatchGrant = 1u;  // its BLAS is there
+struct LipacPatch {
+  uint slot;
+  uint action;
+};
+
+// What a tick came to.
+struct LipacStatus {
+  uint commands;
+  uint boxes;          // cells that want a box in the TLAS
+  uint ranks[kRanks];  // instances and their boxes that want an entry, by rank
+  uint entries;        // written to the TLAS, boxes of cells included
+  uint dropped;        // found no room
+  uint states[kStates];
+  uint active_hitboxes;
+  uint changes;  // instances whose state changed
+  uint cycles;   // hitboxes and instances of own BLASes that went back
+};
+
+// Every pass gets the address of one of these.
+struct LipacTick {
+  uint64_t order;       // uint: slots
+  uint64_t instances;   // InstanceRecord, by slot
+  uint64_t meshes;      // MeshRecord
+  uint64_t bounds;      // MeshBounds a mesh
+  uint64_t hits;        // uint, by slot
+  uint64_t words;       // uint, by slot
+  uint64_t entries;     // uint, as `order`
+  uint64_t untraced;    // uint, by slot: 0 where rays meet the instance
+  uint64_t cells;       // Hitbox
+  uint64_t reaches;     // uint a cell: metres beyond its sides, as a float's bits
+  uint64_t entry_sums;  // uvec2 a group: entries that surely fit, entries that fit if there is room
+  uint64_t box_sums;    // uint a group
+  uint64_t output_;     // TlasInstance
+  uint64_t status;      // LipacStatus
+  uint64_t commands;    // LipacCommand
+  uint64_t patches;     // LipacPatch
+  uint64_t cube;        // the unit cube's BLAS
+  int grid_x;           // the grid's first cell
+  int grid_z;
+  uint grid_bits;  // 2^bits cells a side
+  uint count;      // entries of `order`
+  uint capacity;   // of `output_`
+  uint command_capacity;
+  uint patch_count;
+  uint tick;
+  // Thresholds in 1/8 hits.
+  uint box_activate;
+  uint box_deactivate;
+  uint own_activate;
+  uint own_deactivate;
+  // Ticks in a row; of hitboxes and of instances.
+  uint box_above;
+  uint box_below;
+  uint own_above;
+  uint own_below;
+  uint literal;  // 1: the paper's rules, without smoothing and damping
+};
+
+struct LipacPush {
+  uint64_t tick;
+};
+
+struct MeshBounds {
+  vec3 centre;
+  vec3 half_extent;
+};
+
+HELIO_SHARED_END
+#endif

@@ -1,0 +1,170 @@
+// The TLAS's entries on the GPU against what the rules say, with room for all and with too little.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "accel/lipac_fixture.h"
+
+namespace helio::accel {
+namespace {
+
+using namespace shared;
+
+constexpr uint64_t kMeshBlas = 0x1000;
+
+uint32_t morton(uint32_t x, uint32_t z) {
+  uint32_t code = 0;
+  for (uint32_t bit = 0; bit < 16; ++bit) code |= (x >> bit & 1u) << 2 * bit | (z >> bit & 1u) << (2 * bit + 1);
+  return code;
+}
+
+struct Entry {
+  uint32_t index, mask;
+  bool operator==(const Entry&) const = default;
+};
+
+class LipacAssembly : public LipacFixture {
+ protected:
+  static constexpr uint32_t kCount = 3000;
+
+  void SetUp() override {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> place(-200.0f, 200.0f), height(0.0f, 30.0f);
+    records.resize(kCount);
+    words.resize(kCount);
+    for (uint32_t slot = 0; slot < kCount; ++slot) {
+      // Cubes, some of them larger than two cells, some thin.
+      const float size = slot % 97 == 0 ? 50.0f : 4.0f, thick = slot % 31 == 0 ? 0.02f : 4.0f;
+      const glm::vec3 at(place(random), height(random), place(random));
+      records[slot] = {{{size, 0, 0, at.x}, {0, thick, 0, at.y}, {0, 0, size, at.z}}, 0, 0.0f, 0};
+      if (slot % 50 == 3) records[slot].mesh = kNoMesh;
+      order.push_back(slot);
+      words[slot] = (slot % 4) | (random() % 60'000) << kSmoothedShift;
+    }
+    std::shuffle(order.begin(), order.end(), random);
+  }
+
+  /// What the TLAS gets, with room for `capacity`.
+  std::vector<Entry> expected(const LipacGrid& grid, uint32_t capacity, std::vector<uint32_t>& dropped) const {
+    struct Candidate {
+      uint32_t slot, rank;
+      bool box;
+    };
+    std::vector<Candidate> candidates;
+    std::vector<bool> boxes(grid.cells());
+    for (const uint32_t slot : order) {
+      if (records[slot].mesh == kNoMesh) continue;
+      const bool large = slot % 97 == 0;
+      const uint32_t state = words[slot] & 3u, smoothed = words[slot] >> kSmoothedShift;
+      const uint32_t rank = large ? 31 : smoothed == 0 ? 0 : static_cast<uint32_t>(std::log2(smoothed)) + 1;
+      if (large || state != kStateInactive) candidates.push_back({slot, rank, !large && state != kStateActive});
+      else
+        boxes[morton(
+            static_cast<uint32_t>(std::floor(records[slot].rows[0].w / 16.0f)) - static_cast<uint32_t>(grid.x),
+            static_cast<uint32_t>(std::floor(records[slot].rows[2].w / 16.0f)) - static_cast<uint32_t>(grid.z))] = true;
+    }
+    const auto box_count = static_cast<uint32_t>(std::count(boxes.begin(), boxes.end(), true));
+    const uint32_t room = capacity - std::min(capacity, box_count);
+    // Who has the most hits stays; among equals who comes first.
+    std::vector<size_t> by_rank(candidates.size());
+    for (size_t i = 0; i < by_rank.size(); ++i) by_rank[i] = i;
+    std::stable_sort(by_rank.begin(), by_rank.end(),
+                     [&](size_t a, size_t b) { return candidates[a].rank > candidates[b].rank; });
+    std::vector<bool> stays(candidates.size());
+    for (size_t i = 0; i < std::min<size_t>(room, by_rank.size()); ++i) stays[by_rank[i]] = true;
+    std::vector<Entry> entries;
+    for (size_t i = 0; i < candidates.size(); ++i) {
+      if (stays[i]) entries.push_back({candidates[i].slot, candidates[i].box ? kMaskOmitted : kMaskSolid});
+      else dropped.push_back(candidates[i].slot);
+    }
+    for (uint32_t cell = 0; cell < grid.cells(); ++cell)
+      if (boxes[cell] && entries.size() < capacity) entries.push_back({cell, kMaskCell});
+    return entries;
+  }
+
+  struct Assembled {
+    std::vector<TlasInstance> entries;
+    std::vector<uint32_t> hits, words;
+    LipacGrid grid;
+    LipacFigures figures;
+    uint64_t cube = 0;
+  };
+  Assembled assemble(uint32_t capacity) {
+    Lipac lipac(*device, commands, *cubes(), {});
+    const gpu::Buffer order_table = table("order", order), instances = table("instances", records);
+    const gpu::Buffer meshes = table("meshes", std::vector<MeshRecord>{{kMeshBlas, 0, 1, 0, 0}});
+    const gpu::Buffer output = table("output", std::vector<TlasInstance>(capacity));
+    commands.begin();
+    lipac.upload(commands, {order_table.address(), instances.address(), meshes.address(), kCount, kCount}, 0);
+    barrier();
+    commands.upload<uint32_t>(lipac.words(), 0, words);
+    barrier();
+    lipac.assemble(commands, output.address(), capacity);
+    barrier();
+    lipac.feedback(commands, false);
+    submit();
+    return {read<TlasInstance>(output, capacity), read<uint32_t>(lipac.hits(), kCount),
+            read<uint32_t>(lipac.words(), kCount), lipac.grid(), lipac.figures()};
+  }
+
+  std::vector<uint32_t> order, words;
+  std::vector<InstanceRecord> records;
+};
+
+TEST_F(LipacAssembly, CompactsInOrderAndDropsWhoIsHitLeast) {
+  for (const uint32_t capacity : {4000u, 2000u, 700u, 64u}) {
+    const Assembled result = assemble(capacity);
+    std::vector<uint32_t> dropped;
+    const std::vector<Entry> right = expected(result.grid, capacity, dropped);
+    std::vector<Entry> got;
+    for (const TlasInstance& entry : result.entries) {
+      if (entry.blas == 0) continue;
+      got.push_back({entry.custom_index_and_mask & 0xffffffu, entry.custom_index_and_mask >> 24});
+      const uint32_t group = got.back().mask == kMaskSolid     ? kHitGroupSurface
+                             : got.back().mask == kMaskOmitted ? kHitGroupOmitted
+                                                               : kHitGroupCell;
+      EXPECT_EQ(entry.hit_group_and_flags & 0xffffffu, group);
+      if (group == kHitGroupSurface) EXPECT_EQ(entry.blas, kMeshBlas);
+      else EXPECT_NE(entry.blas, kMeshBlas);
+    }
+    EXPECT_EQ(got, right) << capacity;
+    EXPECT_EQ(result.figures.entries, right.size());
+    for (size_t i = right.size(); i < capacity; ++i) ASSERT_EQ(result.entries[i].blas, 0u) << i;
+    // Who was dropped knows it.
+    std::vector<uint32_t> told;
+    for (const uint32_t slot : order)
+      if (result.hits[slot] == kHitDropped) told.push_back(slot);
+    EXPECT_EQ(told, dropped) << capacity;
+    if (capacity == 4000u) EXPECT_TRUE(dropped.empty());
+    else EXPECT_FALSE(dropped.empty());
+  }
+}
+
+TEST_F(LipacAssembly, BoxesCoverWhatTheyStandFor) {
+  const Assembled result = assemble(4000);
+  const auto covers = [](const TlasInstance& box, const InstanceRecord& instance) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float low = box.rows[axis].w, high = low + box.rows[axis][axis];
+      const float middle = instance.rows[axis].w, half = 0.5f * instance.rows[axis][axis];
+      if (!(low <= middle - half + 1e-3f && high >= middle + half - 1e-3f) || !(high > low)) return false;
+    }
+    return true;
+  };
+  uint32_t checked = 0;
+  for (const uint32_t slot : order) {
+    if (records[slot].mesh == kNoMesh || slot % 97 == 0 || (words[slot] & 3u) == kStateActive) continue;
+    const bool omitted = (words[slot] & 3u) != kStateInactive;
+    const auto x = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[0].w / 16.0f)) - result.grid.x);
+    const auto z = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[2].w / 16.0f)) - result.grid.z);
+    const uint32_t key = omitted ? slot | kMaskOmitted << 24 : morton(x, z) | kMaskCell << 24;
+    const auto box = std::find_if(result.entries.begin(), result.entries.end(),
+                                  [&](const TlasInstance& e) { return e.custom_index_and_mask == key; });
+    ASSERT_NE(box, result.entries.end()) << slot;
+    EXPECT_TRUE(covers(*box, records[slot])) << slot;
+    ++checked;
+  }
+  EXPECT_GT(checked, kCount / 2);
+}
+
+}  // namespace
+}  // namespace helio::accel
