@@ -77,7 +77,7 @@ struct FrameConstants {
   uint64_t hitboxes;       // Hitbox, by cell
   uint hit_weight;         // of a hit, in 1/8; 0: this view does not count in this tick
   uint hit_stride;         // of pixels whose paths count
-  uint64_t history;  // HistoryConstants (shared/history.h); 0: this view does not look back
+  uint64_t history;        // HistoryConstants (shared/history.h); 0: this view does not look back
 };
 
 HELIO_CONSTANT kNothing = 0xffffffffu;
