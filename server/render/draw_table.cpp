@@ -30,4 +30,9 @@ void DrawTable::upload(gpu::Commands& commands, const accel::InstanceTable& tabl
   dirty_ = false;
 }
 
+void DrawTable::release(gpu::Commands& commands) {
+  for (gpu::Buffer* buffer : {&slots_buffer_, &first_buffer_})
+    if (*buffer) commands.retire(std::move(*buffer));
+}
+
 }  // namespace helio::render

@@ -16,6 +16,9 @@ class DrawTable {
   /// Orders slots by mesh, and records their copies (transfer writes).
   void upload(gpu::Commands& commands, const accel::InstanceTable& table);
 
+  /// Nobody rasterises: gives the memory back.
+  void release(gpu::Commands& commands);
+
   uint32_t count() const { return static_cast<uint32_t>(by_mesh_.size()); }
   uint32_t meshes() const { return static_cast<uint32_t>(mesh_first_.size() - 1); }
   uint64_t cpuBytes() const { return (by_mesh_.capacity() + mesh_first_.capacity()) * sizeof(uint32_t); }

@@ -170,6 +170,10 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
                                          bool scene_changed) {
   commands_.begin();
+  if (std::none_of(requests.begin(), requests.end(), [this](const ViewRequest& request) {
+        return usesRaster(request.settings) || usesShadowMap(request.settings, effects_);
+      }))
+    draw_table_.release(commands_);
   Graph graph;
   addWorldPasses(graph);
   std::vector<Work> work;
