@@ -1,4 +1,5 @@
 // Clips, routes and the generator's own walkers.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
 // Worlds: several, their sources, their limits; the address; shots and telemetry.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <set>

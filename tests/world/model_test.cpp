@@ -1,4 +1,5 @@
 // Random edits on a world and on a naive model of it, which must agree; and the grid against plain search.
+#include <algorithm>
 #include <map>
 #include <random>
 

@@ -1,4 +1,5 @@
 // Applying, ticks and change sets, queries.
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <thread>
