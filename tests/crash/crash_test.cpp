@@ -24,7 +24,7 @@ uint32_t cycles() {
 void print(const Report& report) {
   std::cout << report.cycles << " crashes, " << report.acknowledged << " edits acknowledged, " << report.lost
             << " lost, " << report.doubled << " doubled, " << report.settled << " settled, " << report.snapshots
-            << " snapshots, " << report.unreadable << " unreadable" << std::endl;
+            << " snapshots, " << report.refused << " refused, " << report.unreadable << " unreadable" << std::endl;
 }
 
 TEST(Crash, NothingAcknowledgedIsLostAndNothingIsDoubled) {
@@ -36,6 +36,7 @@ TEST(Crash, NothingAcknowledgedIsLostAndNothingIsDoubled) {
   EXPECT_EQ(report->cycles, options.cycles);
   EXPECT_EQ(report->lost, 0u);
   EXPECT_EQ(report->doubled, 0u);
+  EXPECT_EQ(report->refused, 0u);
   // The test must have had something to lose.
   EXPECT_GT(report->acknowledged, options.cycles * uint64_t{100});
   EXPECT_GT(report->settled, 0u);

@@ -87,6 +87,7 @@ class Run {
     Report total = report_;
     total.acknowledged += acknowledged_now_;
     total.snapshots = snapshots_now_;
+    total.refused = refused_now_;
     return total;
   }
 
@@ -193,7 +194,8 @@ class Run {
         ++acknowledged_now_;
       } else {
         model.unknown.push_back(request);
-        break;
+        stop();
+        return;
       }
     }
   }
@@ -211,12 +213,20 @@ class Run {
         std::this_thread::sleep_for(std::chrono::microseconds(300));
         continue;
       }
-      if (!log.putSnapshot(model.name, model.epoch, snapshot)) return;
+      if (!log.putSnapshot(model.name, model.epoch, snapshot)) return stop();
       model.snapshot_seq = snapshot.seq;
       ++snapshots_now_;
       // Sometimes the crash shall find the records still there.
-      if (snapshot.seq % 3 != 0 && !log.truncate(model.name, model.epoch, snapshot.seq)) return;
+      if (snapshot.seq % 3 != 0 && !log.truncate(model.name, model.epoch, snapshot.seq)) return stop();
     }
+  }
+
+  /// What a server does whose log refuses: it ends. A log that syncs refuses after the crash alone; one without may come
+  /// upon what an earlier crash has garbled at any time, and nobody would be left to bring the next crash about.
+  void stop() {
+    if (vfs_.crashed()) return;
+    ++refused_now_;
+    vfs_.crashNow();
   }
 
   void startAgainFromNothing() {
@@ -234,7 +244,7 @@ class Run {
   ForgetfulVfs vfs_;
   std::mt19937_64 random_;
   std::vector<std::unique_ptr<Model>> models_;
-  std::atomic<uint64_t> acknowledged_now_ = 0, snapshots_now_ = 0;
+  std::atomic<uint64_t> acknowledged_now_ = 0, snapshots_now_ = 0, refused_now_ = 0;
   Report report_;
 };
 

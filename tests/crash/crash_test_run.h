@@ -23,6 +23,7 @@ struct Report {
   uint64_t doubled = 0;       ///< there twice
   uint64_t settled = 0;       ///< repeated after an unknown outcome
   uint64_t snapshots = 0;
+  uint64_t refused = 0;     ///< times the log refused a write before any crash: a log that syncs never does
   uint64_t unreadable = 0;  ///< restarts that found a log which cannot be opened: all of it counts as lost
 };
 
