@@ -1,6 +1,7 @@
 #include "gpu/commands.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "gpu/pipelines.h"
 
@@ -17,58 +18,76 @@ bool writes(const Use& use) {
   return (use.access & kWrites) != 0;
 }
 
-Commands::Commands(Device& device) : device_(device) {
+Commands::Commands(Device& device, Queue queue) : device_(device), queue_(queue) {
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-  pool.queueFamilyIndex = device.queueFamily();
+  pool.queueFamilyIndex = device.queueFamily(queue);
   check(vkCreateCommandPool(device.handle(), &pool, nullptr, &pool_), "a command pool");
-  VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
-  allocate.commandPool = pool_;
-  allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
-  allocate.commandBufferCount = 1;
-  check(vkAllocateCommandBuffers(device.handle(), &allocate, &handle_), "a command buffer");
 }
 
 Commands::~Commands() {
-  if (submitted_) device_.wait(submitted_);
+  if (submitted_.value > 0) device_.wait(submitted_);
   vkDestroyQueryPool(device_.handle(), queries_, nullptr);
   vkDestroyCommandPool(device_.handle(), pool_, nullptr);
 }
 
 void Commands::begin() {
-  if (submitted_) (void)finish();
+  if (submitted_.value > 0) (void)finish();
   check(vkResetCommandPool(device_.handle(), pool_, 0), "resetting a command pool");
-  VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  check(vkBeginCommandBuffer(handle_, &info), "recording a frame");
+  opened_ = 0;
+  after_ = {};
   timers_.clear();
   timestamps_ = 0;
   for (Chunk& chunk : chunks_) chunk.used = 0;
   retired_.clear();
+  open();
+}
+
+void Commands::open() {
+  if (opened_ == buffers_.size()) {
+    VkCommandBufferAllocateInfo allocate{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+    allocate.commandPool = pool_;
+    allocate.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+    allocate.commandBufferCount = 1;
+    check(vkAllocateCommandBuffers(device_.handle(), &allocate, &buffers_.emplace_back()), "a command buffer");
+  }
+  handle_ = buffers_[opened_++];
+  VkCommandBufferBeginInfo info{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  info.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(vkBeginCommandBuffer(handle_, &info), "recording a frame");
   const VkDescriptorSet set = device_.bindless().set();
   for (VkPipelineBindPoint point :
        {VK_PIPELINE_BIND_POINT_COMPUTE, VK_PIPELINE_BIND_POINT_GRAPHICS, VK_PIPELINE_BIND_POINT_RAY_TRACING_KHR})
-    vkCmdBindDescriptorSets(handle_, point, device_.pipelineLayout(), 0, 1, &set, 0, nullptr);
+    if (queue_ == Queue::main || point != VK_PIPELINE_BIND_POINT_GRAPHICS)
+      vkCmdBindDescriptorSets(handle_, point, device_.pipelineLayout(), 0, 1, &set, 0, nullptr);
 }
 
-uint64_t Commands::submit() {
+Point Commands::submit() {
   check(vkEndCommandBuffer(handle_), "recording a frame");
-  submitted_ = device_.submit(handle_);
+  submitted_ = device_.submit(queue_, handle_, std::exchange(after_, {}));
   return submitted_;
+}
+
+Point Commands::cut() {
+  const Point point = submit();
+  open();
+  return point;
 }
 
 std::vector<TimedPass> Commands::finish() {
   device_.wait(submitted_);
-  submitted_ = 0;
+  submitted_ = {};
   retired_.clear();
   std::vector<uint64_t> ticks(timestamps_);
   if (timestamps_)
     check(vkGetQueryPoolResults(device_.handle(), queries_, 0, timestamps_, ticks.size() * sizeof(uint64_t),
                                 ticks.data(), sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
           "reading timestamps");
+  const auto ms = [this](uint64_t from, uint64_t to) {
+    return static_cast<double>(to - from) * device_.timestampPeriodNs() * 1e-6;
+  };
   std::vector<TimedPass> passes;
-  for (size_t i = 0; i < timers_.size(); ++i)
-    passes.push_back(
-        {timers_[i], static_cast<double>(ticks[2 * i + 1] - ticks[2 * i]) * device_.timestampPeriodNs() * 1e-6});
+  for (size_t i = 0; i < timers_.size(); ++i) passes.push_back({timers_[i], ms(ticks[2 * i], ticks[2 * i + 1])});
+  span_ms_ = ticks.empty() ? 0.0 : ms(ticks.front(), ticks.back());
   return passes;
 }
 

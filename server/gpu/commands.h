@@ -1,4 +1,5 @@
-// One frame's command buffer with everything that lives as long as it: upload ring, timestamps, retired buffers.
+// One frame's commands for a queue with everything that lives as long as they: upload ring, timestamps, retired
+// buffers.
 #pragma once
 
 #include <array>
@@ -74,7 +75,7 @@ struct TimedPass {
 /// Records one frame at a time: begin() → record → submit() → finish(). Not thread-safe; each world has its own.
 class Commands {
  public:
-  explicit Commands(Device& device);
+  explicit Commands(Device& device, Queue queue = Queue::main);
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
@@ -83,9 +84,15 @@ class Commands {
   VkCommandBuffer handle() const { return handle_; }
 
   void begin();
-  uint64_t submit();
+  Point submit();
+  /// Submits what was recorded so far, and goes on recording.
+  Point cut();
+  /// What was recorded since begin() or the last cut(), and all that follows, waits on the GPU for `point`.
+  void await(const Point& point) { after_ = point; }
   /// Waits for what was submitted; returns the timed passes in order. Upload memory and retired buffers are free again.
   std::vector<TimedPass> finish();
+  /// From the first timed pass's beginning to the last one's end, in ms; after finish().
+  double spanMs() const { return span_ms_; }
 
   // ---- Transfer ----
   Staging stage(uint64_t bytes, uint64_t alignment = 16);
@@ -132,6 +139,7 @@ class Commands {
   void endTimer();
 
  private:
+  void open();
   void writeTimestamp();
   struct Chunk {
     Buffer buffer;
@@ -139,15 +147,19 @@ class Commands {
   };
 
   Device& device_;
+  Queue queue_;
   VkCommandPool pool_ = VK_NULL_HANDLE;
-  VkCommandBuffer handle_ = VK_NULL_HANDLE;
+  std::vector<VkCommandBuffer> buffers_;  // one from cut to cut
+  size_t opened_ = 0;
+  VkCommandBuffer handle_ = VK_NULL_HANDLE;  // the one that is open
   VkQueryPool queries_ = VK_NULL_HANDLE;
   std::vector<std::string> timers_;
   uint32_t timestamps_ = 0;
   uint32_t timestamp_capacity_ = 0;
   std::vector<Chunk> chunks_;
   std::vector<Buffer> retired_;
-  uint64_t submitted_ = 0;
+  Point after_, submitted_;
+  double span_ms_ = 0.0;
 };
 
 }  // namespace helio::gpu

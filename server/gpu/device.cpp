@@ -305,16 +305,7 @@ void Device::createDevice() {
   max_buffer_size_ = sizes.maxBufferSize;
   ray_tracing_.pNext = nullptr;
 
-  uint32_t family_count = 0;
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &family_count, nullptr);
-  std::vector<VkQueueFamilyProperties> families(family_count);
-  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &family_count, families.data());
-  constexpr VkQueueFlags kEverything = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-  while (queue_family_ < family_count && (families[queue_family_].queueFlags & kEverything) != kEverything)
-    ++queue_family_;
-  if (queue_family_ == family_count)
-    throw Failure(
-        {ErrorKind::unsupported, "'" + name_ + "' has no queue for graphics and compute", "device", name_, {}});
+  chooseQueues();
 
   VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{
       VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
@@ -356,18 +347,23 @@ void Device::createDevice() {
   features.features.shaderStorageImageExtendedFormats = VK_TRUE;  // rg32ui
 
   const float priority = 1.0f;
-  VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
-  queue.queueFamilyIndex = queue_family_;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  std::vector<VkDeviceQueueCreateInfo> queues;
+  for (const Lane& lane : lanes_) {
+    if (!queues.empty() && queues.front().queueFamilyIndex == lane.family) continue;
+    VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
+    queue.queueFamilyIndex = lane.family;
+    queue.queueCount = 1;
+    queue.pQueuePriorities = &priority;
+    queues.push_back(queue);
+  }
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.pNext = &features;
-  info.queueCreateInfoCount = 1;
-  info.pQueueCreateInfos = &queue;
+  info.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
+  info.pQueueCreateInfos = queues.data();
   info.enabledExtensionCount = static_cast<uint32_t>(kDeviceExtensions.size());
   info.ppEnabledExtensionNames = kDeviceExtensions.data();
   check(vkCreateDevice(physical_, &info, nullptr, &device_), "the device '" + name_ + "' (" + driver_ + ")");
-  vkGetDeviceQueue(device_, queue_family_, 0, &queue_);
+  for (Lane& lane : lanes_) vkGetDeviceQueue(device_, lane.family, 0, &lane.handle);
 
   VmaVulkanFunctions functions{};
   functions.vkGetInstanceProcAddr = vkGetInstanceProcAddr;
@@ -385,7 +381,8 @@ void Device::createDevice() {
   type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
   VkSemaphoreCreateInfo semaphore{VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO};
   semaphore.pNext = &type;
-  check(vkCreateSemaphore(device_, &semaphore, nullptr, &timeline_), "the queue's timeline");
+  for (Lane& lane : lanes_)
+    check(vkCreateSemaphore(device_, &semaphore, nullptr, &lane.timeline), "a queue's timeline");
 
   // Software texture filtering pays for every tap of an anisotropic read.
   bindless_.create(device_, cpu_ ? 1.0f : std::min(8.0f, all.properties.limits.maxSamplerAnisotropy));
@@ -404,7 +401,7 @@ Device::~Device() {
     vkDeviceWaitIdle(device_);
     if (pipeline_layout_) vkDestroyPipelineLayout(device_, pipeline_layout_, nullptr);
     bindless_.destroy(device_);
-    if (timeline_) vkDestroySemaphore(device_, timeline_, nullptr);
+    for (const Lane& lane : lanes_) vkDestroySemaphore(device_, lane.timeline, nullptr);
     if (allocator_) vmaDestroyAllocator(allocator_);
     vkDestroyDevice(device_, nullptr);
   }
@@ -412,28 +409,61 @@ Device::~Device() {
   if (instance_) vkDestroyInstance(instance_, nullptr);
 }
 
-uint64_t Device::submit(VkCommandBuffer commands) {
+void Device::chooseQueues() {
+  uint32_t count = 0;
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, nullptr);
+  std::vector<VkQueueFamilyProperties> families(count);
+  vkGetPhysicalDeviceQueueFamilyProperties(physical_, &count, families.data());
+  const auto find = [&](VkQueueFlags wanted, VkQueueFlags unwanted) {
+    return static_cast<uint32_t>(std::find_if(families.begin(), families.end(),
+                                              [&](const VkQueueFamilyProperties& family) {
+                                                return (family.queueFlags & wanted) == wanted &&
+                                                       (family.queueFlags & unwanted) == 0 &&
+                                                       family.timestampValidBits > 0;
+                                              }) -
+                                 families.begin());
+  };
+  const uint32_t main = find(VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT, 0);
+  if (main == count)
+    throw Failure({ErrorKind::unsupported,
+                   "'" + name_ + "' has no queue for graphics and compute with timestamps",
+                   "device",
+                   name_,
+                   {}});
+  const uint32_t async = find(VK_QUEUE_COMPUTE_BIT, VK_QUEUE_GRAPHICS_BIT);
+  lane(Queue::main).family = main;
+  lane(Queue::async).family = async == count ? main : async;
+}
+
+Point Device::submit(Queue queue, VkCommandBuffer commands, const Point& after) {
   const std::lock_guard lock(queue_mutex_);
+  Lane& to = lane(queue);
   VkCommandBufferSubmitInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO};
   buffer.commandBuffer = commands;
   VkSemaphoreSubmitInfo signal{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
-  signal.semaphore = timeline_;
-  signal.value = timeline_value_ + 1;
+  signal.semaphore = to.timeline;
+  signal.value = to.value + 1;
   signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  VkSemaphoreSubmitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO};
+  wait.semaphore = lane(after.queue).timeline;
+  wait.value = after.value;
+  wait.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
   VkSubmitInfo2 submit{VK_STRUCTURE_TYPE_SUBMIT_INFO_2};
+  submit.waitSemaphoreInfoCount = after.value > 0 ? 1 : 0;
+  submit.pWaitSemaphoreInfos = &wait;
   submit.commandBufferInfoCount = 1;
   submit.pCommandBufferInfos = &buffer;
   submit.signalSemaphoreInfoCount = 1;
   submit.pSignalSemaphoreInfos = &signal;
-  check(vkQueueSubmit2(queue_, 1, &submit, VK_NULL_HANDLE), "submitting a frame");
-  return ++timeline_value_;
+  check(vkQueueSubmit2(to.handle, 1, &submit, VK_NULL_HANDLE), "submitting a frame");
+  return {queue, ++to.value};
 }
 
-void Device::wait(uint64_t value) {
+void Device::wait(const Point& point) {
   VkSemaphoreWaitInfo wait{VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO};
   wait.semaphoreCount = 1;
-  wait.pSemaphores = &timeline_;
-  wait.pValues = &value;
+  wait.pSemaphores = &lane(point.queue).timeline;
+  wait.pValues = &point.value;
   check(vkWaitSemaphores(device_, &wait, UINT64_MAX), "waiting for a frame");
 }
 

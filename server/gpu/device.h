@@ -1,4 +1,4 @@
-// The Vulkan device: choice, queue, memory accounts, the bindless set. One owner of the queue for the whole process.
+// The Vulkan device: choice, queues, memory accounts, the bindless set. One owner of the queues for the whole process.
 #pragma once
 
 #include <array>
@@ -49,6 +49,17 @@ class Bindless {
   std::array<Slots, 2> slots_{{{kTextures, 0, {}}, {kStorageImages, 0, {}}}};
 };
 
+/// Where work goes: `async` takes compute work and builds that may run beside what `main` does. A device without a
+/// queue for it runs both on one.
+enum class Queue : uint8_t { main, async };
+inline constexpr size_t kQueues = 2;
+
+/// Reached when all that a queue was given up to a moment is done. Value 0 is reached from the beginning.
+struct Point {
+  Queue queue = Queue::main;
+  uint64_t value = 0;
+};
+
 class Device {
  public:
   /// Errors: no Vulkan loader, no device of that name (the ones there are listed), no ray tracing pipelines (says how
@@ -66,16 +77,17 @@ class Device {
   VmaAllocator allocator() const { return allocator_; }
   Bindless& bindless() { return bindless_; }
   VkPipelineLayout pipelineLayout() const { return pipeline_layout_; }  ///< one for all: set 0 and push constants
-  uint32_t queueFamily() const { return queue_family_; }
+  uint32_t queueFamily(Queue queue = Queue::main) const { return lane(queue).family; }
+  bool hasAsyncQueue() const { return lane(Queue::async).handle != lane(Queue::main).handle; }
   double timestampPeriodNs() const { return timestamp_period_; }
   const VkPhysicalDeviceRayTracingPipelinePropertiesKHR& rayTracing() const { return ray_tracing_; }
   uint32_t scratchAlignment() const { return scratch_alignment_; }
   uint64_t maxBufferSize() const { return max_buffer_size_; }
 
-  /// Submits and returns the timeline value that is reached when the work is done.
-  uint64_t submit(VkCommandBuffer commands);
-  /// Waits until the timeline reaches `value`. Throws DeviceLost.
-  void wait(uint64_t value);
+  /// Submits what is to run after `after`, and returns what is reached when it is done.
+  Point submit(Queue queue, VkCommandBuffer commands, const Point& after = {});
+  /// Waits on the CPU. Throws DeviceLost.
+  void wait(const Point& point);
 
   /// Bytes allocated now, by category.
   uint64_t memoryInUse(MemoryCategory category) const { return memory_[static_cast<size_t>(category)].load(); }
@@ -93,6 +105,7 @@ class Device {
   Result<void> createInstance();
   Result<void> choosePhysicalDevice();
   void createDevice();
+  void chooseQueues();
   static VKAPI_ATTR VkBool32 VKAPI_CALL onMessage(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                                   VkDebugUtilsMessageTypeFlagsEXT types,
                                                   const VkDebugUtilsMessengerCallbackDataEXT* data, void* self);
@@ -102,11 +115,17 @@ class Device {
   VkDebugUtilsMessengerEXT messenger_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
-  VkQueue queue_ = VK_NULL_HANDLE;
-  uint32_t queue_family_ = 0;
   VmaAllocator allocator_ = nullptr;
-  VkSemaphore timeline_ = VK_NULL_HANDLE;
-  uint64_t timeline_value_ = 0;
+  /// A queue as its users know it; two of them may share a handle.
+  struct Lane {
+    VkQueue handle = VK_NULL_HANDLE;
+    uint32_t family = 0;
+    VkSemaphore timeline = VK_NULL_HANDLE;
+    uint64_t value = 0;  // of the timeline when all is done
+  };
+  Lane& lane(Queue queue) { return lanes_[static_cast<size_t>(queue)]; }
+  const Lane& lane(Queue queue) const { return lanes_[static_cast<size_t>(queue)]; }
+  std::array<Lane, kQueues> lanes_;
   std::mutex queue_mutex_;
   Bindless bindless_;
   VkPipelineLayout pipeline_layout_ = VK_NULL_HANDLE;

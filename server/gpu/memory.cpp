@@ -22,6 +22,13 @@ Buffer::Buffer(Device& device, const BufferDescription& description) : Buffer() 
   info.size = size_;
   info.usage = description.usage | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
                VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  // Both queues may use any buffer; who goes first is said by points.
+  const std::array<uint32_t, kQueues> families = {device.queueFamily(Queue::main), device.queueFamily(Queue::async)};
+  if (families[0] != families[1]) {
+    info.sharingMode = VK_SHARING_MODE_CONCURRENT;
+    info.queueFamilyIndexCount = static_cast<uint32_t>(families.size());
+    info.pQueueFamilyIndices = families.data();
+  }
   VmaAllocationCreateInfo placement{};
   placement.usage = VMA_MEMORY_USAGE_AUTO_PREFER_DEVICE;
   if (description.placement != Placement::device) {

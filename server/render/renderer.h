@@ -164,6 +164,8 @@ struct FrameStats {
   uint64_t applied_seq = 0;
   double time = 0.0;                ///< world time, seconds
   double gpu_ms = 0.0;              ///< sum of the passes
+  double span_ms = 0.0;             ///< from the first pass of the tick to the end of the last: less than the sum where
+                                    ///< passes run beside each other, and more where several viewers share the tick
   double bare_trace_ms = 0.0;       ///< with measure_bare_trace
   std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
   std::vector<EffectCost> effects;  ///< present ones only
@@ -253,9 +255,11 @@ Result<void> check(const CullingSettings& settings);
 struct RendererOptions {
   std::string
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
-  bool validation = false;         ///< Khronos validation layer: errors are logged and counted
-  bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
-  bool one_call_a_blas = false;    ///< BLASes of instances' own are built one by one: to measure what the batch saves
+  bool validation = false;           ///< Khronos validation layer: errors are logged and counted
+  bool strict_validation = false;    ///< tests: a validation error makes the next tick fail
+  std::optional<bool> builds_aside;  ///< acceleration structures are built beside what is rasterised; default: where
+                                     ///< the device has a queue for it (without one, both take turns on one queue)
+  bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one: to measure what the batch saves
   bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 

@@ -59,6 +59,8 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       passes_(passes),
       scene_(std::move(scene)),
       commands_(*device_),
+      async_(*device_, gpu::Queue::async),
+      builds_aside_(device_->hasAsyncQueue()),
       resources_(*device_, commands_, *scene_),
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
       clips_(uploadClips(*device_, commands_, *scene_)),
@@ -170,10 +172,10 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
                                          bool scene_changed) {
   commands_.begin();
-  if (std::none_of(requests.begin(), requests.end(), [this](const ViewRequest& request) {
-        return usesRaster(request.settings) || usesShadowMap(request.settings, effects_);
-      }))
-    draw_table_.release(commands_);
+  const bool rasterises = std::any_of(requests.begin(), requests.end(), [this](const ViewRequest& request) {
+    return usesRaster(request.settings) || usesShadowMap(request.settings, effects_);
+  });
+  if (!rasterises) draw_table_.release(commands_);
   Graph graph;
   addWorldPasses(graph);
   std::vector<Work> work;
@@ -187,9 +189,12 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
     addViewPasses(graph, work.back());
   }
   if (guided_) addFeedback(graph, changes.tick);
-  graph.record(commands_);
+  // Building beside what is rasterised; nothing else could run in the meantime.
+  gpu::Commands* aside = builds_aside_ && rasterises ? &async_ : nullptr;
+  if (aside) aside->begin();
+  graph.record(commands_, aside);
   commands_.submit();
-  const std::vector<gpu::TimedPass> times = commands_.finish();
+  const std::vector<gpu::TimedPass> times = graph.finish(commands_, aside);
 
   std::vector<Frame> frames;
   frames.reserve(work.size());
@@ -247,24 +252,28 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
                {&instances_, gpu::use::compute_write},
                {&own_blases_, gpu::use::compute_write}},
               [this](gpu::Commands& commands) { own_blases_.deform(commands, instances_); });
-    graph.add("blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
-              [this](gpu::Commands& commands) { own_blases_.build(commands); });
+    graph.add(
+        "blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
+        [this](gpu::Commands& commands) { own_blases_.build(commands); }, gpu::Queue::async);
   }
-  graph.add("assemble", Graph::kShared,
-            {{&instances_, gpu::use::compute_read},
-             {&units_, gpu::use::compute_read},
-             {&lipac_, gpu::use::compute_write},
-             {&tlas_, gpu::use::compute_write}},
-            [this](gpu::Commands& commands) {
-              if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
-              else tlas_.assemble(commands, instances_, resources_.meshes());
-            });
-  graph.add("tlas", Graph::kShared,
-            {{&own_blases_, gpu::use::build_read},
-             {&tlas_, gpu::use::transfer_read},
-             {&tlas_, gpu::use::build_read},
-             {&tlas_, gpu::use::build_write}},
-            [this](gpu::Commands& commands) { tlas_.build(commands); });
+  graph.add(
+      "assemble", Graph::kShared,
+      {{&instances_, gpu::use::compute_read},
+       {&units_, gpu::use::compute_read},
+       {&lipac_, gpu::use::compute_write},
+       {&tlas_, gpu::use::compute_write}},
+      [this](gpu::Commands& commands) {
+        if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
+        else tlas_.assemble(commands, instances_, resources_.meshes());
+      },
+      gpu::Queue::async);
+  graph.add(
+      "tlas", Graph::kShared,
+      {{&own_blases_, gpu::use::build_read},
+       {&tlas_, gpu::use::transfer_read},
+       {&tlas_, gpu::use::build_read},
+       {&tlas_, gpu::use::build_write}},
+      [this](gpu::Commands& commands) { tlas_.build(commands); }, gpu::Queue::async);
 }
 
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
@@ -437,6 +446,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   Frame frame;
   FrameStats& stats = frame.stats;
   stats.tick = changes.tick;
+  stats.span_ms = commands_.spanMs();
   stats.applied_seq = changes.applied_seq;
   stats.time = changes.time;
   for (size_t i = 0; i < times.size(); ++i) {

@@ -1,4 +1,5 @@
-// One world on the GPU: its scene, its instances, its acceleration structure, its views. A tick is one command buffer.
+// One world on the GPU: its scene, its instances, its acceleration structure, its views. A tick is one submission a
+// queue, or a few.
 #pragma once
 
 #include <map>
@@ -37,6 +38,9 @@ class WorldRenderer {
   void setCulling(Culling culling, const CullingSettings& settings);
   /// Builds BLASes of instances' own one by one. Before the first tick.
   void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
+  /// Acceleration structures are built beside what is rasterised. Before the first tick; at first, where the device has
+  /// a queue for it.
+  void setBuildsAside(bool aside) { builds_aside_ = aside; }
 
   /// One tick (algorithms: apply edits → upload → assemble → build the TLAS → per view: primary hits → path trace →
   /// accumulate → exposure → tonemap → read back). Throws gpu::Failure; the changes are kept for the next tick then.
@@ -69,7 +73,8 @@ class WorldRenderer {
   std::shared_ptr<gpu::Device> device_;
   Passes& passes_;
   scene::ScenePtr scene_;
-  gpu::Commands commands_;
+  gpu::Commands commands_, async_;
+  bool builds_aside_;  // on async_
   SceneResources resources_;
   accel::InstanceTable instances_;
   accel::ClipTable clips_;

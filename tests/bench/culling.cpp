@@ -127,6 +127,7 @@ class Contestant {
     run.shadow_ms = of([](const Stats& f) { return passMs(f, {"shadow_cull", "shadow_map"}); });
     run.primary_ms = of([](const Stats& f) { return passMs(f, {"cull", "primary_raster", "primary_traced"}); });
     run.frame_ms = of([](const Stats& f) { return f.gpu_ms; });
+    run.span_ms = of([](const Stats& f) { return f.span_ms; });
     run.memory = frames_.back().acceleration;
     run.working_set_bytes = frames_.back().memory.working_set;
     run.cpu_bytes = frames_.back().memory.cpu;
@@ -206,6 +207,7 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
   if (auto valid = apply(options.settings, probe); !valid) return valid;
   render::RendererOptions renderer_options;
   renderer_options.device = options.device;
+  renderer_options.builds_aside = options.builds_aside;
   renderer_options.one_call_a_blas = options.one_call_a_blas;
   auto renderer = render::makeRenderer(renderer_options);
   if (!renderer) return renderer.error();
@@ -291,6 +293,10 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
       ->capture_default_str()
       ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "none", "distance"}));
   addSettingOptions(command, options->settings);
+  command.add_flag(
+      "--builds-aside,!--builds-in-order", options->builds_aside,
+      "acceleration structures are built beside what is rasterised, or before it; default: beside it where "
+      "the device has a queue for that");
   command.add_flag("--one-call-a-blas", options->one_call_a_blas,
                    "builds BLASes of instances' own one by one: what the batch saves");
   command.add_option("--pictures", options->pictures, "folder for each strategy's picture and its error as PNG");

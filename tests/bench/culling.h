@@ -22,6 +22,7 @@ struct CullingOptions {
   std::vector<std::string> strategies = {"full", "frustum_radius"};
   std::string pictures;               ///< a folder for each strategy's picture and its error; empty: none
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
+  std::optional<bool> builds_aside;   ///< on a queue of their own; default: where the device has one
   bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
   std::string device;
   std::string plot;  ///< an SVG file; empty: none
@@ -39,7 +40,7 @@ struct CullingRun {
   std::string strategy;
   Summary tlas_instances, own_blas_count, own_blas_in_view, blas_triangles;
   Summary skin_ms;  ///< poses and deformed vertices
-  Summary blas_ms, tlas_ms, assemble_ms, feedback_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms;
+  Summary blas_ms, tlas_ms, assemble_ms, feedback_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms, span_ms;
   Summary state_changes;  ///< instances a tick; 0 where nothing has states
   uint64_t cycles = 0;    ///< hitboxes, and instances with a BLAS of their own, that went back in all measured ticks
   std::optional<accel::LipacFigures> states;  ///< of the last measured tick

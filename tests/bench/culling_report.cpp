@@ -37,6 +37,7 @@ Json toJson(const CullingRun& run) {
           {"shadow_ms", toJson(run.shadow_ms)},
           {"primary_ms", toJson(run.primary_ms)},
           {"frame_ms", toJson(run.frame_ms)},
+          {"span_ms", toJson(run.span_ms)},
           {"image_error", {{"composite", toJson(run.composite)}, {"indirect", toJson(run.indirect)}}}};
 }
 
@@ -154,6 +155,7 @@ std::string toMarkdown(const CullingReport& report) {
   row("path trace, ms", [](const CullingRun& r) { return ms(r.path_trace_ms); });
   row("shadow map, ms", [](const CullingRun& r) { return ms(r.shadow_ms); });
   row("frame, ms", [](const CullingRun& r) { return ms(r.frame_ms); });
+  row("frame, from beginning to end, ms", [](const CullingRun& r) { return ms(r.span_ms); });
   row("relative MSE", [](const CullingRun& r) { return fmt::format("{:.2e}", r.composite.relative_mse); });
   row("SSIM", [](const CullingRun& r) { return fixed(r.composite.ssim, 5); });
   row("relative MSE, indirect", [](const CullingRun& r) { return fmt::format("{:.2e}", r.indirect.relative_mse); });

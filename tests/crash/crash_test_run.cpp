@@ -221,8 +221,8 @@ class Run {
     }
   }
 
-  /// What a server does whose log refuses: it ends. A log that syncs refuses after the crash alone; one without may come
-  /// upon what an earlier crash has garbled at any time, and nobody would be left to bring the next crash about.
+  /// What a server does whose log refuses: it ends. A log that syncs refuses after the crash alone; one without may
+  /// come upon what an earlier crash has garbled at any time, and nobody would be left to bring the next crash about.
   void stop() {
     if (vfs_.crashed()) return;
     ++refused_now_;
