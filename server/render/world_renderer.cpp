@@ -310,10 +310,12 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   graph.add("read_back", work.owner,
             {{&view.pixels, gpu::use::transfer_read},
              {&view.draws, gpu::use::transfer_read},
+             {&view.shadow_draws, gpu::use::transfer_read},
              {&view.state, gpu::use::transfer_read},
              {&view.shown(), gpu::use::transfer_read}},
-            [&view](gpu::Commands& commands) {
+            [&view, shadow_map](gpu::Commands& commands) {
               if (usesRaster(view.settings())) view.draws.readBack(commands);
+              if (shadow_map) view.shadow_draws.readBack(commands);
               commands.copy(view.pixels, view.pixels_readback->buffer, view.pixels.size());
               commands.copy(view.state, view.state_readback, sizeof(shared::ViewState));
               if (view.settings().keep_radiance) commands.copy(view.shown(), view.radiance_readback);
@@ -474,6 +476,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   }
   stats.acceleration = accelerationUse(view);
   if (usesRaster(settings)) stats.triangles_drawn = view.draws.triangles();
+  if (usesShadowMap(settings, effects_)) stats.shadow_triangles = view.shadow_draws.triangles();
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
   stats.memory = {
       device_->memoryInUse(gpu::MemoryCategory::raster),

@@ -27,6 +27,12 @@ uint keyOf(uint slot, DrawVolume volume) {
   const float radius = mesh.radius * stretch;
   for (uint i = 0u; i < volume.plane_count; ++i)
     if (dot(volume.planes[i].xyz, centre) + volume.planes[i].w < -radius) return key | kNotDrawn;
+  if (volume.has_inner != 0u) {
+    bool within = true;
+    for (uint i = 0u; i < 4u; ++i) within = within && dot(volume.planes[i].xyz, centre) + volume.inner[i] >= radius;
+    if (within) return key | kNotDrawn;
+  }
+  if (2.0 * radius <= volume.error) return key | kNotDrawn;
   return key | levelOf(volume, mesh, centre, radius, stretch);
 }
 

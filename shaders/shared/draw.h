@@ -28,7 +28,11 @@ HELIO_CONSTANT kMostPlanes = 6u;
 struct DrawVolume {
   vec4 planes[kMostPlanes];
   uint plane_count;
+  // Of the first four planes, for what is drawn elsewhere: who lies within all of them by its whole bounds is left out.
+  vec4 inner;
+  uint has_inner;
   // A level of detail may be off by `error` + `error_per_metre` times the distance to `eye`; both negative: none.
+  // Who is no larger than `error` is left out.
   vec3 eye;
   float error;
   float error_per_metre;

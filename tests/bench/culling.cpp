@@ -115,6 +115,7 @@ class Contestant {
     run.own_blas_count = of([](const Stats& f) { return double(f.acceleration.own_blases); });
     run.own_blas_in_view = of([](const Stats& f) { return double(f.acceleration.own_blases_in_view); });
     run.blas_triangles = of([](const Stats& f) { return double(f.acceleration.blas_triangles); });
+    run.shadow_triangles = of([](const Stats& f) { return double(f.shadow_triangles); });
     run.skin_ms = of([](const Stats& f) { return passMs(f, {"pose", "deform"}); });
     run.blas_ms = of([](const Stats& f) { return passMs(f, {"blas"}); });
     run.tlas_ms = of([](const Stats& f) { return passMs(f, {"tlas"}); });

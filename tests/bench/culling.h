@@ -38,7 +38,7 @@ struct ImageError {
 /// Times and counts are of ticks in which everything moves; memory and errors of one in which everything stands.
 struct CullingRun {
   std::string strategy;
-  Summary tlas_instances, own_blas_count, own_blas_in_view, blas_triangles;
+  Summary tlas_instances, own_blas_count, own_blas_in_view, blas_triangles, shadow_triangles;
   Summary skin_ms;  ///< poses and deformed vertices
   Summary blas_ms, tlas_ms, assemble_ms, feedback_ms, path_trace_ms, shadow_ms, primary_ms, frame_ms, span_ms;
   Summary state_changes;  ///< instances a tick; 0 where nothing has states

@@ -26,6 +26,7 @@ Json toJson(const CullingRun& run) {
           {"working_set_bytes", run.working_set_bytes},
           {"cpu_bytes", run.cpu_bytes},
           {"blas_triangles", toJson(run.blas_triangles)},
+          {"shadow_triangles", toJson(run.shadow_triangles)},
           {"skin_ms", toJson(run.skin_ms)},
           {"blas_ms", toJson(run.blas_ms)},
           {"tlas_ms", toJson(run.tlas_ms)},
@@ -136,6 +137,7 @@ std::string toMarkdown(const CullingReport& report) {
   row("state changes a tick", [](const CullingRun& r) { return r.states ? count(r.state_changes) : "-"; });
   row("cycles", [](const CullingRun& r) { return r.states ? grouped(r.cycles) : "-"; });
   row("BLAS triangles a tick", [](const CullingRun& r) { return count(r.blas_triangles); });
+  row("triangles of the shadow map", [](const CullingRun& r) { return count(r.shadow_triangles); });
   row("memory: shared BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.shared_blas_bytes); });
   row("saved by compacting them, MB", [](const CullingRun& r) { return megabytes(r.memory.compaction_saved_bytes); });
   row("memory: own BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.own_blas_bytes); });

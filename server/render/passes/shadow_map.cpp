@@ -8,21 +8,32 @@ namespace {
 
 constexpr float kNearest = 24.0f;   // metres: half the side of the first cascade
 constexpr float kAhead = 0.6f;      // of that, from the camera to its centre
-constexpr float kTexelsOff = 1.0f;  // that a level of detail may differ from the finest
+constexpr float kTexelsOff = 3.0f;  // that a level of detail may differ from the finest; what is smaller is left out
+constexpr float kFinerTexels = 4.0f, kCoarserTexels = 3.0f;  // of the lookups' edge, lift and filter
 constexpr uint32_t kTilesPerRow = shared::kShadowTilesPerRow;
 
 /// The next power of 1.25: a world that grows a little must not move its shadows.
 float roundedUp(float metres) { return std::exp2(std::ceil(std::log2(metres) / 0.3219281f) * 0.3219281f); }
 
-/// What casts shadows into a cascade: no bound towards the sun.
-shared::DrawVolume casters(const shared::ShadowMap& map, const shared::ShadowCascade& cascade, bool levels) {
-  shared::DrawVolume volume{};
-  const auto plane = [&](const glm::vec3& inward) {
-    volume.planes[volume.plane_count++] = glm::vec4(inward, cascade.half_width - glm::dot(inward, cascade.centre));
+/// What casts shadows into cascade `c`: no bound towards the sun. Whose shadow falls into the finer cascade as a whole is
+/// not looked for in this one.
+shared::DrawVolume casters(const shared::ShadowMap& map, uint32_t c, bool levels) {
+  const shared::ShadowCascade& cascade = map.cascades[c];
+  const auto texel = [&map](const shared::ShadowCascade& of) {
+    return 2.0f * of.half_width / static_cast<float>(map.tile);
   };
-  for (const glm::vec3& axis : {map.right, -map.right, map.up, -map.up}) plane(axis);
+  const shared::ShadowCascade* finer = c > 0 ? &map.cascades[c - 1] : nullptr;
+  // From there on outwards lookups lie in this cascade, and they reach a little inwards (lib/shadow_map.glsl).
+  const float reach = finer ? kFinerTexels * texel(*finer) + kCoarserTexels * texel(cascade) : 0.0f;
+  shared::DrawVolume volume{};
+  volume.has_inner = finer != nullptr;
+  for (const glm::vec3& inward : {map.right, -map.right, map.up, -map.up}) {
+    const auto i = static_cast<int>(volume.plane_count++);
+    volume.planes[i] = glm::vec4(inward, cascade.half_width - glm::dot(inward, cascade.centre));
+    if (finer) volume.inner[i] = finer->half_width - reach - glm::dot(inward, finer->centre);
+  }
   volume.eye = cascade.centre;
-  volume.error = levels ? kTexelsOff * 2.0f * cascade.half_width / static_cast<float>(map.tile) : -1.0f;
+  volume.error = levels ? kTexelsOff * texel(cascade) : -1.0f;
   volume.error_per_metre = levels ? 0.0f : -1.0f;
   return volume;
 }
@@ -66,7 +77,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   map.image = view.shadow_image.slot();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};
   for (uint32_t c = 0; c < shared::kShadowCascades; ++c)
-    volumes[c] = casters(map, map.cascades[c], settings.levels_of_detail);
+    volumes[c] = casters(map, c, settings.levels_of_detail);
 
   std::vector<Access> accesses{{&raster.table, gpu::use::compute_read},
                                {pass.instances, gpu::use::compute_read},
