@@ -79,6 +79,12 @@ class VulkanRenderer final : public Renderer {
     });
   }
 
+  Result<std::vector<CulledInstance>> culledInstances(WorldHandle world) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    return guarded([&] { return renderer->culledInstances(); });
+  }
+
   Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
                                   std::span<const ViewRequest> views) override {
     const std::shared_ptr<WorldRenderer> renderer = find(world);
@@ -116,6 +122,10 @@ class VulkanRenderer final : public Renderer {
 }  // namespace
 
 Result<void> Renderer::setCulling(WorldHandle, Culling, const CullingSettings&) {
+  return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
+}
+
+Result<std::vector<CulledInstance>> Renderer::culledInstances(WorldHandle) {
   return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
 }
 

@@ -222,6 +222,14 @@ struct CullingSettings {
   uint64_t build_triangles = 1'000'000;
 };
 
+/// What light path guided culling made of an instance in the last tick.
+struct CulledInstance {
+  uint32_t state = 0;    ///< kState... (shaders/shared/lipac.h)
+  bool traced = false;   ///< it was in that tick's TLAS
+  bool always = false;   ///< it is too large to be culled
+  double hits = 0.0;     ///< smoothed, a tick of 1920 x 1080 paths
+};
+
 /// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
 /// one thread at a time.
 class Renderer {
@@ -239,6 +247,10 @@ class Renderer {
   /// no culling (unsupported).
   virtual Result<void> setCulling(WorldHandle world, Culling culling, const CullingSettings& settings);
   Result<void> setCulling(WorldHandle world, Culling culling) { return setCulling(world, culling, CullingSettings{}); }
+
+  /// By slot; of slots without an instance nothing is said. Reads back whole tables: for tests and benchmarks. Errors:
+  /// no such world (not_found), another strategy than light path guided culling (unsupported).
+  virtual Result<std::vector<CulledInstance>> culledInstances(WorldHandle world);
 
   /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the
   /// GPU. Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).

@@ -114,6 +114,7 @@ void WorldRenderer::removeView(ViewHandle handle) {
   const std::lock_guard lock(mutex_);
   views_.erase(handle);
   quorum_.remove(handle);
+  if (lipac_) lipac_->removeViewer(handle);
 }
 
 Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
@@ -144,7 +145,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   detail_.place(instances_, changes);
   detail_.plan(instances_, units_);
   const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
-  own_blases_.plan(beginCulling(viewers), units_, instances_, changes.tick, moved, reference);
+  own_blases_.plan(beginCulling(requests, viewers), units_, instances_, changes.tick, moved, reference);
   if (guided_) lipac_->serve(own_blases_, units_);
   const bool changed = edited || moved || own_blases_.hasWork() || instances_.orderDirty();
   // What culls follows the cameras, or the light.

@@ -36,6 +36,8 @@ class WorldRenderer {
   void removeView(ViewHandle handle);
   /// From the next tick on.
   void setCulling(Culling culling, const CullingSettings& settings);
+  /// Renderer::culledInstances().
+  Result<std::vector<CulledInstance>> culledInstances();
   /// Builds BLASes of instances' own one by one. Before the first tick.
   void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
   /// Acceleration structures are built beside what is rasterised. Before the first tick; at first, where the device has
@@ -58,7 +60,8 @@ class WorldRenderer {
   AccelerationUse accelerationUse(const View& view) const;
   // Light path guided culling (world_culling.cpp).
   /// Decides whether it guides this tick; the units that need a BLAS then, the most important first.
-  std::vector<accel::WantedUnit> beginCulling(std::span<const accel::Viewpoint> viewers);
+  std::vector<accel::WantedUnit> beginCulling(std::span<const ViewRequest> requests,
+                                              std::span<const accel::Viewpoint> viewers);
   void uploadCulling(gpu::Commands& commands);
   void addFeedback(Graph& graph, uint64_t tick);
   void describeCounting(shared::FrameConstants& constants, const View& view) const;

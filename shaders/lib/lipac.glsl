@@ -82,7 +82,7 @@ void enter(inout Counter c, uint state) {
 // Takes in a tick's hits.
 void smoothHits(inout Counter c, uint hits, uint index) {
   const uint most = min(hits, kSmoothedMost);
-  c.smoothed = lipac.literal != 0u ? most : ((kSmoothing - 1u) * c.smoothed + most + kSmoothing / 2u) / kSmoothing;
+  c.smoothed = lipac.literal != 0u ? most : ((lipac.smoothing - 1u) * c.smoothed + most + lipac.smoothing / 2u) / lipac.smoothing;
   if (c.cycles > 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
 }
 
@@ -94,12 +94,15 @@ bool hitOften(inout Counter c, uint hits, uint threshold, uint ticks) {
   return c.above >= ticks || hits > 2u * raised;
 }
 
-// Hits below `threshold` for `ticks` ticks.
+// Hits below `threshold` for `ticks` ticks. Enough of them confirm a guess.
 bool hitSeldom(inout Counter c, uint threshold, uint ticks) {
+  if (c.smoothed >= threshold) c.above = 0u;
   c.below = c.smoothed < threshold ? min(c.below + 1u, kBelowMost) : 0u;
   return c.below >= ticks;
 }
 
+// A guess that went wrong is none: light paths never asked for it.
+bool isCycle(Counter c) { return c.state == kStateActive && c.above != kGuessed; }
 void countCycle(inout Counter c) {
   if (lipac.literal == 0u) c.cycles = min(c.cycles + 1u, kCyclesMost);
 }

@@ -13,6 +13,7 @@
 #include "bench/edit_storm.h"
 #include "bench/fidelity.h"
 #include "bench/frame.h"
+#include "bench/jump.h"
 #include "bench/report.h"
 #include "bench/sampler.h"
 #include "bench/stability.h"
@@ -44,6 +45,7 @@ int main(int argc, char** argv) {
   bench::addSamplerCommand(app, command_line, action);
   bench::addAccuracyCommand(app, command_line, action);
   bench::addCullingCommand(app, command_line, action);
+  bench::addJumpCommand(app, command_line, action);
   bench::addEditStormCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);
