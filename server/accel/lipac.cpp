@@ -1,6 +1,7 @@
 #include "accel/lipac.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -14,6 +15,12 @@ constexpr double kMargin = 512.0;       // metres around the scene that users bu
 constexpr uint32_t kFirstGuess = 4096;  // entries, before any are known
 
 constexpr uint64_t kCommandsAt = gpu::alignUp(sizeof(LipacStatus), 16);
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 uint32_t powerAbove(uint32_t count, uint32_t least) {
   while (least < count) least *= 2;
@@ -141,8 +148,12 @@ void Lipac::readCommands() {
 }
 
 std::vector<uint32_t> Lipac::begin(std::span<const Sight> sights, const InstanceTable& table, const Units& units) {
+  auto start = Clock::now();
   readCommands();
+  figures_.commands_ms = millisecondsSince(start);
+  start = Clock::now();
   appearance_.begin(sights, edited_, table, units);
+  figures_.sight_ms = millisecondsSince(start);
   edited_.clear();
   figures_.cpu_visits += appearance_.visits();
   for (const uint32_t slot : appearance_.slots()) patches_.push_back({slot, shared::kPatchOpen});
@@ -260,6 +271,7 @@ void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit
 }
 
 void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
+  const auto start = Clock::now();
   grow(commands, world, unit_count);
   const uint64_t patch_bytes = patches_.size() * sizeof(shared::LipacPatch);
   if (patch_buffer_.size() < patch_bytes) {
@@ -320,6 +332,7 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.own_above = settings_.literal ? 1 : settings_.frames_above;
   tick_.own_below = settings_.literal ? 1 : settings_.frames_below;
   tick_.literal = settings_.literal;
+  figures_.upload_ms = millisecondsSince(start);
 }
 
 void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeline, uint32_t threads) const {

@@ -73,6 +73,7 @@ class Lipac {
   const std::set<uint32_t>& granted() const { return granted_; }  ///< slots that have a BLAS of their own
   uint64_t bytes() const;
 
+  VkDeviceAddress tickConstants() const { return tick_buffer_.address(); }  ///< LipacTick of this tick
   const LipacGrid& grid() const { return grid_; }
   const gpu::Buffer& words() const { return words_; }        ///< state words, by slot
   const gpu::Buffer& hits() const { return hits_; }          ///< counters, by slot

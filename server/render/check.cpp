@@ -51,6 +51,9 @@ Result<void> check(const ViewSettings& settings) {
                        ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
   if (auto r = inRange("settings.shadow_map_size", settings.shadow_map_size, 256u, 4096u); !r) return r;
+  if (settings.culling_view != CullingView::none && settings.mode == Mode::reference)
+    return invalid("settings.culling_view", std::to_string(static_cast<uint32_t>(settings.culling_view)),
+                   "settings.culling_view shows what culling does, and reference mode knows none: choose hybrid");
   if (settings.inspect >= Inspect::diffuse && settings.denoiser == Denoiser::none)
     return invalid("settings.inspect", std::to_string(static_cast<uint32_t>(settings.inspect)),
                    "settings.inspect asks for what a denoiser has, and settings.denoiser is none: choose a denoiser");

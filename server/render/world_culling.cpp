@@ -10,6 +10,7 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   const std::lock_guard lock(mutex_);
   reassemble_ = true;
   lipac_.reset();
+  cast_by_map_ = false;
   own_blases_.setBudget({settings.builds, settings.build_triangles});
   strategy_ = culling == Culling::frustum_radius ? accel::frustumRadiusStrategy(settings.radius)
               : culling == Culling::distance     ? accel::distanceStrategy(settings.radius)
@@ -18,6 +19,20 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   accel::LipacSettings lipac = settings.lipac;
   if (culling == Culling::none) lipac.box_activate = accel::LipacSettings::kUnreachable;
   lipac_ = std::make_unique<accel::Lipac>(*device_, commands_, *scene_, lipac);
+  cast_by_map_ = settings.cast_by_map;
+  if (!instances_.order().empty()) return;  // too late: who looks already waits for the compiler
+  guided_ = true;
+  warmUp();
+  lipac_->forget();
+}
+
+std::vector<ViewRequest> WorldRenderer::castByMap(std::span<const ViewRequest> requests) const {
+  std::vector<ViewRequest> result(requests.begin(), requests.end());
+  if (lipac_ && cast_by_map_)
+    for (ViewRequest& request : result)
+      if (request.settings.mode == Mode::hybrid && request.settings.sun_shadow == SunShadow::rays)
+        request.settings.sun_shadow = SunShadow::rays_and_map;
+  return result;
 }
 
 std::vector<accel::WantedUnit> WorldRenderer::beginCulling(std::span<const ViewRequest> requests,
@@ -83,6 +98,7 @@ void WorldRenderer::addFeedback(Graph& graph, uint64_t tick) {
 void WorldRenderer::describeCounting(shared::FrameConstants& constants, const View& view) const {
   constants.instance_hits = lipac_->hits().address();
   constants.hitboxes = lipac_->hitboxes().address();
+  constants.culling = lipac_->tickConstants();
   constants.hit_stride = 1;
   if (!view.counts_hits) return;
   const ViewSettings& settings = view.settings();

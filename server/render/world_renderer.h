@@ -64,6 +64,8 @@ class WorldRenderer {
                                               std::span<const accel::Viewpoint> viewers);
   void uploadCulling(gpu::Commands& commands);
   void addFeedback(Graph& graph, uint64_t tick);
+  /// The requests, with the sun's shadow map where culling calls for it.
+  std::vector<ViewRequest> castByMap(std::span<const ViewRequest> requests) const;
   void describeCounting(shared::FrameConstants& constants, const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
@@ -87,6 +89,7 @@ class WorldRenderer {
   DrawTable draw_table_;
   std::unique_ptr<accel::CullingStrategy> strategy_;
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
+  bool cast_by_map_ = false;
   bool guided_ = false;                  // lipac_ decides about this tick: nobody needs everything
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
