@@ -1,6 +1,7 @@
 #include "accel/lipac.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
@@ -14,6 +15,12 @@ constexpr double kMargin = 512.0;       // metres around the scene that users bu
 constexpr uint32_t kFirstGuess = 4096;  // entries, before any are known
 
 constexpr uint64_t kCommandsAt = gpu::alignUp(sizeof(LipacStatus), 16);
+
+using Clock = std::chrono::steady_clock;
+
+double millisecondsSince(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
 
 uint32_t powerAbove(uint32_t count, uint32_t least) {
   while (least < count) least *= 2;
@@ -56,6 +63,7 @@ Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& s
       grid_(gridOf(scene)),
       patch_(device, "lipac/patch.comp"),
       reset_(device, "lipac/reset.comp"),
+      appear_(device, "lipac/appear.comp"),
       classify_(device, "lipac/classify.comp"),
       count_boxes_(device, "lipac/count_boxes.comp"),
       count_entries_(device, "lipac/count_entries.comp"),
@@ -64,7 +72,8 @@ Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& s
       emit_boxes_(device, "lipac/emit_boxes.comp"),
       gather_(device, "lipac/gather.comp"),
       decide_hitboxes_(device, "lipac/hitboxes.comp"),
-      decide_(device, "lipac/decide.comp") {
+      decide_(device, "lipac/decide.comp"),
+      appearance_(settings) {
   using enum gpu::MemoryCategory;
   std::vector<shared::MeshBounds> bounds;
   for (const scene::Mesh& mesh : scene.meshes) bounds.push_back({mesh.bounds.centre(), 0.5f * mesh.bounds.extent()});
@@ -100,6 +109,7 @@ Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& s
 void Lipac::noteEdits(const world::ChangeSet& changes, const InstanceTable& table) {
   figures_.cpu_visits = changes.slots.size();
   for (const auto& [slot, instance] : changes.slots) {
+    edited_.push_back(slot);
     const uint32_t before = slot < table.instances().size() ? table.instances()[slot].prefab : scene::kNone;
     if (before == scene::kNone || before == instance.prefab) continue;
     patches_.push_back({slot, shared::kPatchReset});
@@ -114,7 +124,7 @@ LipacStatus Lipac::statusIn(const Returned& returned) const {
   return status;
 }
 
-std::vector<uint32_t> Lipac::begin(const Units& units) {
+void Lipac::readCommands() {
   asked_.clear();
   if (const Returned& returned = returned_[ticks_ % kDelay]; returned.written) {
     const LipacStatus status = statusIn(returned);
@@ -135,6 +145,18 @@ std::vector<uint32_t> Lipac::begin(const Units& units) {
   std::sort(asked_.begin(), asked_.end(), [](const LipacCommand& a, const LipacCommand& b) {
     return a.hits != b.hits ? a.hits > b.hits : a.slot < b.slot;
   });
+}
+
+std::vector<uint32_t> Lipac::begin(std::span<const Sight> sights, const InstanceTable& table, const Units& units) {
+  auto start = Clock::now();
+  readCommands();
+  figures_.commands_ms = millisecondsSince(start);
+  start = Clock::now();
+  appearance_.begin(sights, edited_, table, units);
+  figures_.sight_ms = millisecondsSince(start);
+  edited_.clear();
+  figures_.cpu_visits += appearance_.visits();
+  for (const uint32_t slot : appearance_.slots()) patches_.push_back({slot, shared::kPatchOpen});
 
   std::vector<uint32_t> wanted;
   for (auto slot = granted_.begin(); slot != granted_.end();) {
@@ -147,10 +169,28 @@ std::vector<uint32_t> Lipac::begin(const Units& units) {
     }
   }
   figures_.cpu_visits += wanted.size();
-  for (const LipacCommand& command : asked_)
-    if (const uint32_t unit = units.unitOf(command.slot); unit != scene::kNone && !granted_.contains(command.slot))
-      wanted.push_back(unit);
+  // In turns, so that neither starves the other.
+  std::vector<bool> listed(units.units().size());
+  const auto list = [&](uint32_t unit) {
+    if (unit == scene::kNone || listed[unit] || granted_.contains(units.units()[unit].slot)) return;
+    listed[unit] = true;
+    wanted.push_back(unit);
+  };
+  const std::vector<uint32_t>& shown = appearance_.units();
+  for (size_t i = 0; i < std::max(asked_.size(), shown.size()); ++i) {
+    if (i < asked_.size()) list(units.unitOf(asked_[i].slot));
+    if (i < shown.size()) list(shown[i]);
+  }
   return wanted;
+}
+
+/// Threads apply patches in any order, so a slot's word has one of them.
+void Lipac::patch(uint32_t slot, uint32_t action) {
+  const auto reset = std::find_if(patches_.begin(), patches_.end(), [slot](const shared::LipacPatch& p) {
+    return p.slot == slot && p.action == shared::kPatchReset;
+  });
+  if (reset == patches_.end()) patches_.push_back({slot, action});
+  else if (action == shared::kPatchShow) reset->action = shared::kPatchShowAnew;
 }
 
 void Lipac::serve(const OwnBlases& blases, const Units& units) {
@@ -160,14 +200,29 @@ void Lipac::serve(const OwnBlases& blases, const Units& units) {
     const uint32_t unit = units.unitOf(command.slot);
     if (unit == scene::kNone || !blases.inTlas(unit)) continue;
     granted_.insert(command.slot);
-    patches_.push_back({command.slot, shared::kPatchGrant});
+    patch(command.slot, shared::kPatchGrant);
     ++figures_.served;
   }
   figures_.left_over = figures_.wanted - figures_.served;
+  figures_.shown = figures_.unshown = 0;
+  for (const uint32_t unit : appearance_.units()) {
+    if (!blases.inTlas(unit)) {
+      ++figures_.unshown;
+      continue;
+    }
+    appearance_.noteShown(unit);
+    const uint32_t slot = units.units()[unit].slot;
+    if (!granted_.insert(slot).second) continue;  // it had one, or its hits asked for it
+    patch(slot, shared::kPatchShow);
+    ++figures_.shown;
+  }
 }
 
 uint32_t Lipac::wantedEntries(uint32_t instances) const {
-  return entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
+  const uint32_t known =
+      entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
+  const auto appearing = static_cast<uint32_t>(appearance_.blocks().size()) * shared::kOrderBlock;
+  return known + std::min(instances, appearing);
 }
 
 void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
@@ -216,6 +271,7 @@ void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit
 }
 
 void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
+  const auto start = Clock::now();
   grow(commands, world, unit_count);
   const uint64_t patch_bytes = patches_.size() * sizeof(shared::LipacPatch);
   if (patch_buffer_.size() < patch_bytes) {
@@ -224,6 +280,19 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
         device_, {"what culling was told", patch_bytes + patch_bytes / 2, gpu::MemoryCategory::ray_tracing});
   }
   if (!patches_.empty()) commands.upload<shared::LipacPatch>(patch_buffer_, 0, patches_);
+  const std::vector<shared::LipacSight>& sights = appearance_.blocks();
+  if (!sights.empty()) {
+    const std::vector<shared::CullVolume>& volumes = appearance_.volumes();
+    const auto fit = [&](gpu::Buffer& buffer, const char* name, uint64_t bytes) {
+      if (buffer.size() >= bytes) return;
+      if (buffer) commands.retire(std::move(buffer));
+      buffer = gpu::Buffer(device_, {name, bytes + bytes / 2, gpu::MemoryCategory::ray_tracing});
+    };
+    fit(sight_buffer_, "what comes into sight", sights.size() * sizeof(shared::LipacSight));
+    fit(volume_buffer_, "what viewers see", volumes.size() * sizeof(shared::CullVolume));
+    commands.upload<shared::LipacSight>(sight_buffer_, 0, sights);
+    commands.upload<shared::CullVolume>(volume_buffer_, 0, volumes);
+  }
 
   tick_ = {};
   tick_.order = world.order;
@@ -242,6 +311,11 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.commands = result_.address() + kCommandsAt;
   tick_.patches = patches_.empty() ? 0 : patch_buffer_.address();
   tick_.cube = cube_.address();
+  tick_.sights = sights.empty() ? 0 : sight_buffer_.address();
+  tick_.volumes = sights.empty() ? 0 : volume_buffer_.address();
+  tick_.sight_count = static_cast<uint32_t>(sights.size());
+  tick_.smoothing = appearance_.smoothing();
+  tick_.mitigation = settings_.mitigation;
   tick_.grid_x = grid_.x;
   tick_.grid_z = grid_.z;
   tick_.grid_bits = grid_.bits;
@@ -258,6 +332,7 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.own_above = settings_.literal ? 1 : settings_.frames_above;
   tick_.own_below = settings_.literal ? 1 : settings_.frames_below;
   tick_.literal = settings_.literal;
+  figures_.upload_ms = millisecondsSince(start);
 }
 
 void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeline, uint32_t threads) const {
@@ -272,10 +347,17 @@ void Lipac::assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t c
   tick_.capacity = capacity;
   commands.upload<shared::LipacTick>(tick_buffer_, 0, std::span(&tick_, 1));
   commands.barrier(gpu::use::transfer_write, gpu::use::compute_write);
-  if (tick_.patch_count > 0) dispatch(commands, patch_, tick_.patch_count);
-  patches_.clear();
   dispatch(commands, reset_, grid_.cells());
   wait();
+  if (tick_.patch_count > 0) {
+    dispatch(commands, patch_, tick_.patch_count);
+    wait();
+  }
+  if (tick_.sight_count > 0) {
+    dispatch(commands, appear_, tick_.sight_count * shared::kOrderBlock);
+    wait();
+  }
+  patches_.clear();
   dispatch(commands, classify_, tick_.count);
   wait();
   dispatch(commands, count_boxes_, grid_.cells());
@@ -312,6 +394,7 @@ void Lipac::forget() {
   granted_.clear();
   asked_.clear();
   patches_.clear();
+  appearance_.forget();
   entries_known_ = 0;
   for (Returned& returned : returned_) returned.written = false;
 }
@@ -331,6 +414,7 @@ LipacFigures Lipac::figures() const {
   figures.dropped = status.dropped;
   figures.changes = status.changes;
   figures.cycles = status.cycles;
+  figures.opened = status.opened;
   return figures;
 }
 
@@ -345,7 +429,7 @@ uint64_t Lipac::bytes() const {
   uint64_t bytes = cube_.size();
   for (const gpu::Buffer* buffer :
        {&bounds_, &cube_positions_, &cube_indices_, &words_, &hits_, &untraced_, &entries_, &hitboxes_, &reaches_,
-        &entry_sums_, &box_sums_, &tick_buffer_, &patch_buffer_, &result_})
+        &entry_sums_, &box_sums_, &tick_buffer_, &patch_buffer_, &sight_buffer_, &volume_buffer_, &result_})
     bytes += buffer->size();
   return bytes;
 }

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "accel/appearance.h"
 #include "accel/lipac_settings.h"
 #include "accel/own_blases.h"
 #include "accel/tlas_assembly.h"
@@ -44,9 +45,11 @@ class Lipac {
 
   /// Before `table` takes over the changes: whoever gets another's slot begins anew.
   void noteEdits(const world::ChangeSet& changes, const InstanceTable& table);
-  /// Reads what the GPU asked for kDelay ticks ago. The units that need a BLAS in this tick, the most important first:
-  /// those that have one, then those that are hit most.
-  std::vector<uint32_t> begin(const Units& units);
+  /// Reads what the GPU asked for kDelay ticks ago, and finds what has come into sight. The units that need a BLAS in
+  /// this tick: those that have one, then in turns those that are hit most and those that have just come into sight.
+  std::vector<uint32_t> begin(std::span<const Sight> sights, const InstanceTable& table, const Units& units);
+  /// The viewer is no more.
+  void removeViewer(uint64_t viewer) { appearance_.remove(viewer); }
   /// After OwnBlases::plan(): grants what has a BLAS now. The rest is asked for again by the GPU.
   void serve(const OwnBlases& blases, const Units& units);
   /// Entries that the TLAS needs room for, as far as is known.
@@ -70,6 +73,7 @@ class Lipac {
   const std::set<uint32_t>& granted() const { return granted_; }  ///< slots that have a BLAS of their own
   uint64_t bytes() const;
 
+  VkDeviceAddress tickConstants() const { return tick_buffer_.address(); }  ///< LipacTick of this tick
   const LipacGrid& grid() const { return grid_; }
   const gpu::Buffer& words() const { return words_; }        ///< state words, by slot
   const gpu::Buffer& hits() const { return hits_; }          ///< counters, by slot
@@ -85,17 +89,19 @@ class Lipac {
   void grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);
   shared::LipacStatus statusIn(const Returned& returned) const;
   void dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeline, uint32_t threads) const;
+  void readCommands();
+  void patch(uint32_t slot, uint32_t action);
 
   gpu::Device& device_;
   LipacSettings settings_;
   LipacGrid grid_;
   gpu::Buffer bounds_, cube_positions_, cube_indices_;
   gpu::AccelerationStructure cube_;
-  gpu::ComputePipeline patch_, reset_, classify_, count_boxes_, count_entries_, offsets_, emit_, emit_boxes_, gather_,
+  gpu::ComputePipeline patch_, reset_, appear_, classify_, count_boxes_, count_entries_, offsets_, emit_, emit_boxes_, gather_,
       decide_hitboxes_, decide_;
 
   gpu::Buffer words_, hits_, untraced_, entries_, hitboxes_, reaches_, entry_sums_, box_sums_;
-  gpu::Buffer tick_buffer_, patch_buffer_, result_;  // result_: LipacStatus, then commands
+  gpu::Buffer tick_buffer_, patch_buffer_, sight_buffer_, volume_buffer_, result_;  // result_: LipacStatus, then commands
   uint32_t command_capacity_ = 0;
   bool fresh_ = true;  // the counters hold nothing yet
   std::array<Returned, kDelay> returned_;
@@ -105,6 +111,8 @@ class Lipac {
   uint32_t entries_known_ = 0;  // that were wanted kDelay ticks ago; 0: not known
   std::set<uint32_t> granted_;
   std::vector<shared::LipacCommand> asked_;  // this tick's, most hits first
+  Appearance appearance_;
+  std::vector<uint32_t> edited_;  // slots, since the last begin()
   std::vector<shared::LipacPatch> patches_;
   LipacFigures figures_;
 };

@@ -17,6 +17,10 @@ struct LipacSettings {
   float own_deactivate = 100.0f;  ///< sigma_o: and loses it
   uint32_t frames_above = 4;      ///< n_a, [1, 7]
   uint32_t frames_below = 15;     ///< n_d, [1, 15]
+  /// Latency mitigation: what comes into a viewer's sight is in the TLAS in the same tick, for its hits to confirm.
+  bool mitigation = true;
+  float sight_radius = 32.0f;    ///< metres around a viewer, beside its frustum; [0, 1e6]
+  uint32_t sight_blocks = 1024;  ///< blocks of 64 instances that a tick may look into; [1, 1,000,000]
   /// The paper's rules to the letter: no smoothing, no n_a and n_d for instances, no damping of cycles.
   bool literal = false;
 };
@@ -33,7 +37,13 @@ struct LipacFigures {
   uint32_t wanted = 0;   ///< BLASes asked for
   uint32_t served = 0;
   uint32_t left_over = 0;   ///< by the budget: the GPU asks again
-  uint64_t cpu_visits = 0;  ///< instances that the CPU looked at in this tick, for culling
+  // Latency mitigation.
+  uint32_t opened = 0;      ///< hitboxes that became active because something in them came into sight
+  uint32_t shown = 0;       ///< instances that got a BLAS of their own for the same reason
+  uint32_t unshown = 0;     ///< that the budget left out: the next tick tries again
+  // CPU, milliseconds: the commands of the GPU, what comes into sight, the tables that the GPU reads.
+  double commands_ms = 0.0, sight_ms = 0.0, upload_ms = 0.0;
+  uint64_t cpu_visits = 0;  ///< instances, and blocks of 64, that the CPU looked at in this tick, for culling
 };
 
 }  // namespace helio::accel

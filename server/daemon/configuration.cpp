@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cctype>
 #include <cstdlib>
+#include <map>
 #include <set>
 #include <thread>
 
@@ -149,6 +150,31 @@ void addServing(CLI::App& app, Configuration& c, uint64_t& synthetic_frame_us) {
   flags.value("log-format", c.log_format, "text, or json: one object a line")->check(CLI::IsMember({"text", "json"}));
 }
 
+void addCulling(CLI::App& app, render::RendererOptions& device) {
+  Flags flags(app, "Culling");
+  static const std::map<std::string, render::Culling> strategies{
+      {"full", render::Culling::full},
+      {"frustum_radius", render::Culling::frustum_radius},
+      {"lipac", render::Culling::lipac}};
+  flags
+      .value("culling", device.culling,
+             "which instances rays can meet: full (all), frustum_radius (in a frustum or within 800 m), lipac (those "
+             "that light paths meet; what it leaves out casts the sun's shadow by a map)")
+      ->transform(CLI::CheckedTransformer(strategies).description(""))
+      ->default_str("full");
+  device.culling_settings.cast_by_map = true;
+  accel::LipacSettings& lipac = device.culling_settings.lipac;
+  const float most = accel::LipacSettings::kHighestThreshold;
+  flags.number("culling-box-activate", lipac.box_activate, 2.0f, most,
+               "hits a tick of 1920 x 1080 paths above which a hitbox's instances enter");
+  flags.number("culling-box-deactivate", lipac.box_deactivate, 2.0f, most, "and below which they leave again");
+  flags.number("culling-own-activate", lipac.own_activate, 2.0f, most,
+               "hits above which an instance gets a BLAS of its own");
+  flags.number("culling-own-deactivate", lipac.own_deactivate, 2.0f, most, "and below which it loses it");
+  flags.value("culling-mitigation", lipac.mitigation,
+              "true: what comes into a viewer's sight enters at once; false: when light paths ask for it");
+}
+
 void addLimits(CLI::App& app, service::Limits& limits) {
   Flags flags(app, "Limits");
   flags.number("max-worlds", limits.max_worlds, 1u, 1000u,
@@ -222,6 +248,7 @@ Result<std::optional<Invocation>> parseCommandLine(int argc, const char* const* 
   app.footer(kExamples);
   app.set_version_flag("--version", c.server.version)->configurable(false);
   addServing(app, c, synthetic_frame_us);
+  addCulling(app, c.device);
   addLimits(app, c.server.limits);
   addCommands(app, invocation);
   // CLI11 reads the file before the environment, so the file's name has to be known before.

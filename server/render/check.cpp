@@ -51,6 +51,9 @@ Result<void> check(const ViewSettings& settings) {
                        ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
   if (auto r = inRange("settings.shadow_map_size", settings.shadow_map_size, 256u, 4096u); !r) return r;
+  if (settings.culling_view != CullingView::none && settings.mode == Mode::reference)
+    return invalid("settings.culling_view", std::to_string(static_cast<uint32_t>(settings.culling_view)),
+                   "settings.culling_view shows what culling does, and reference mode knows none: choose hybrid");
   if (settings.inspect >= Inspect::diffuse && settings.denoiser == Denoiser::none)
     return invalid("settings.inspect", std::to_string(static_cast<uint32_t>(settings.inspect)),
                    "settings.inspect asks for what a denoiser has, and settings.denoiser is none: choose a denoiser");
@@ -69,6 +72,8 @@ Result<void> check(const CullingSettings& settings) {
       if (auto r = inRange(field, hits, 2.0f, LipacSettings::kHighestThreshold); !r) return r;
   if (auto r = inRange("culling.frames_above", lipac.frames_above, 1u, 7u); !r) return r;
   if (auto r = inRange("culling.frames_below", lipac.frames_below, 1u, 15u); !r) return r;
+  if (auto r = inRange("culling.sight_radius", lipac.sight_radius, 0.0f, 1e6f); !r) return r;
+  if (auto r = inRange("culling.sight_blocks", lipac.sight_blocks, 1u, 1'000'000u); !r) return r;
   return inRange("culling.radius", settings.radius, 0.001f, 1e6f);
 }
 

@@ -3,6 +3,7 @@
 
 #include "render/passes/accumulate.h"
 #include "render/passes/bare_trace.h"
+#include "render/passes/culling_view.h"
 #include "render/passes/exposure.h"
 #include "render/passes/inspect.h"
 #include "render/passes/motion.h"
@@ -30,6 +31,7 @@ struct Passes {
         tonemap(device),
         svgf(device),
         inspect(device),
+        culling_view(device),
         bare_trace(device) {}
 
   /// Null: light stays as it was sampled.
@@ -47,6 +49,7 @@ struct Passes {
   Tonemap tonemap;
   Svgf svgf;
   InspectPass inspect;
+  CullingViewPass culling_view;
   BareTrace bare_trace;
 };
 

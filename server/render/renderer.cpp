@@ -34,6 +34,7 @@ class VulkanRenderer final : public Renderer {
       auto world = std::make_shared<WorldRenderer>(device_, passes_, std::move(scene));
       world->setOneCallABlas(options_.one_call_a_blas);
       if (options_.builds_aside) world->setBuildsAside(*options_.builds_aside);
+      if (options_.culling != Culling::full) world->setCulling(options_.culling, options_.culling_settings);
       const WorldHandle handle = ++next_handle_;
       const std::unique_lock lock(mutex_);
       worlds_.emplace(handle, std::move(world));
@@ -79,6 +80,12 @@ class VulkanRenderer final : public Renderer {
     });
   }
 
+  Result<std::vector<CulledInstance>> culledInstances(WorldHandle world) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    return guarded([&] { return renderer->culledInstances(); });
+  }
+
   Result<std::vector<Frame>> tick(WorldHandle world, const world::ChangeSet& changes,
                                   std::span<const ViewRequest> views) override {
     const std::shared_ptr<WorldRenderer> renderer = find(world);
@@ -119,7 +126,12 @@ Result<void> Renderer::setCulling(WorldHandle, Culling, const CullingSettings&) 
   return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
 }
 
+Result<std::vector<CulledInstance>> Renderer::culledInstances(WorldHandle) {
+  return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
+}
+
 Result<std::unique_ptr<Renderer>> makeRenderer(const RendererOptions& options) {
+  if (auto valid = check(options.culling_settings); !valid) return valid.error();
   gpu::DeviceOptions device_options;
   device_options.select = options.device;
   device_options.validation = options.validation || options.strict_validation;

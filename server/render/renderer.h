@@ -12,6 +12,7 @@
 #include "base/result.h"
 #include "render/material_override.h"
 #include "scene/scene.h"
+#include "shared/culling_view.h"
 #include "shared/history.h"
 #include "world/world.h"
 
@@ -51,6 +52,16 @@ enum class Inspect : uint32_t {
   samples = shared::kInspectSamples,
 };
 
+/// Light path guided culling in the picture's place (shaders/shared/culling_view.h says what the colours are).
+enum class CullingView : uint32_t {
+  none = shared::kCullingViewNone,
+  states = shared::kCullingViewStates,      ///< of instances
+  hitboxes = shared::kCullingViewHitboxes,  ///< states of hitboxes, brighter by hits
+  untraced = shared::kCullingViewUntraced,  ///< what is drawn, and rays do not meet
+  rays = shared::kCullingViewRays,          ///< by kind
+  above = shared::kCullingViewAbove,        ///< the world from above, hitboxes by hits
+};
+
 /// A viewer's settings. A change of size, mode, primary, bounces or materials restarts
 /// accumulation.
 struct ViewSettings {
@@ -77,6 +88,7 @@ struct ViewSettings {
   bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
                                  ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
+  CullingView culling_view = CullingView::none;  ///< not in reference mode
   Denoiser denoiser = Denoiser::none;
   Inspect inspect = Inspect::nothing;  ///< not in reference mode
   bool poison_history = false;         ///< a test's hook: makes NaN of what a denoiser kept, ahead of this tick
@@ -218,9 +230,19 @@ enum class Culling {
 struct CullingSettings {
   accel::LipacSettings lipac;  ///< of lipac
   float radius = 800.0f;       ///< metres, > 0; of frustum_radius and distance
+  /// What lipac culls casts the sun's shadow by the map: views with SunShadow::rays get rays_and_map.
+  bool cast_by_map = false;
   // What a tick may build of BLASes of instances' own; refits have no budget.
   uint32_t builds = 1024;
   uint64_t build_triangles = 1'000'000;
+};
+
+/// What light path guided culling made of an instance in the last tick.
+struct CulledInstance {
+  uint32_t state = 0;    ///< kState... (shaders/shared/lipac.h)
+  bool traced = false;   ///< it was in that tick's TLAS
+  bool always = false;   ///< it is too large to be culled
+  double hits = 0.0;     ///< smoothed, a tick of 1920 x 1080 paths
 };
 
 /// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
@@ -240,6 +262,10 @@ class Renderer {
   /// no culling (unsupported).
   virtual Result<void> setCulling(WorldHandle world, Culling culling, const CullingSettings& settings);
   Result<void> setCulling(WorldHandle world, Culling culling) { return setCulling(world, culling, CullingSettings{}); }
+
+  /// By slot; of slots without an instance nothing is said. Reads back whole tables: for tests and benchmarks. Errors:
+  /// no such world (not_found), another strategy than light path guided culling (unsupported).
+  virtual Result<std::vector<CulledInstance>> culledInstances(WorldHandle world);
 
   /// One tick: applies the changes, brings the acceleration structures up to date, renders every view, waits for the
   /// GPU. Frames come in the order of `views`. Errors: invalid settings or camera (invalid), out of memory (limit).
@@ -261,6 +287,8 @@ struct RendererOptions {
   std::optional<bool> builds_aside;  ///< acceleration structures are built beside what is rasterised; default: where
                                      ///< the device has a queue for it (without one, both take turns on one queue)
   bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one: to measure what the batch saves
+  Culling culling = Culling::full;  ///< with which worlds begin
+  CullingSettings culling_settings;
   bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };
 

@@ -88,6 +88,7 @@ void WorldRenderer::warmUp() {
     ViewSettings settings;
     settings.width = settings.height = 16;
     settings.primary = primary;
+    if (cast_by_map_) settings.sun_shadow = SunShadow::rays_and_map;
     for (const effects::EffectSet& effects : {present, possible}) {
       effects_ = effects;
       commands_.begin();
@@ -114,11 +115,12 @@ void WorldRenderer::removeView(ViewHandle handle) {
   const std::lock_guard lock(mutex_);
   views_.erase(handle);
   quorum_.remove(handle);
+  if (lipac_) lipac_->removeViewer(handle);
 }
 
-Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> requests) {
+Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, std::span<const ViewRequest> asked) {
   const std::lock_guard lock(mutex_);
-  for (const ViewRequest& request : requests) {
+  for (const ViewRequest& request : asked) {
     if (!views_.contains(request.view))
       return Error{ErrorKind::not_found,
                    "no view " + std::to_string(request.view) + " in this world",
@@ -128,6 +130,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     if (auto valid = check(request.camera); !valid) return valid.error();
     if (auto valid = check(request.settings); !valid) return valid.error();
   }
+  const std::vector<ViewRequest> requests = castByMap(asked);
 
   if (lipac_) lipac_->noteEdits(changes, instances_);
   instances_.apply(changes, [this](uint32_t prefab, int64_t count) { registry_.place(prefab, count); });
@@ -144,7 +147,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   detail_.place(instances_, changes);
   detail_.plan(instances_, units_);
   const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
-  own_blases_.plan(beginCulling(viewers), units_, instances_, changes.tick, moved, reference);
+  own_blases_.plan(beginCulling(requests, viewers), units_, instances_, changes.tick, moved, reference);
   if (guided_) lipac_->serve(own_blases_, units_);
   const bool changed = edited || moved || own_blases_.hasWork() || instances_.orderDirty();
   // What culls follows the cameras, or the light.
@@ -305,6 +308,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   if (looksBack(settings)) passes_.motion.add(pass, work.samples.back());
   if (const DenoiserPasses* denoiser = passes_.denoiser(settings.denoiser)) denoiser->add(pass, last);
   if (settings.inspect != Inspect::nothing) passes_.inspect.add(pass, work.samples.back());
+  if (settings.culling_view != CullingView::none) passes_.culling_view.add(pass, work.samples.back());
   if (settings.auto_exposure) passes_.exposure.add(pass, last);
   passes_.tonemap.add(pass, last);
   graph.add("read_back", work.owner,

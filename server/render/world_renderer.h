@@ -36,6 +36,8 @@ class WorldRenderer {
   void removeView(ViewHandle handle);
   /// From the next tick on.
   void setCulling(Culling culling, const CullingSettings& settings);
+  /// Renderer::culledInstances().
+  Result<std::vector<CulledInstance>> culledInstances();
   /// Builds BLASes of instances' own one by one. Before the first tick.
   void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
   /// Acceleration structures are built beside what is rasterised. Before the first tick; at first, where the device has
@@ -58,9 +60,12 @@ class WorldRenderer {
   AccelerationUse accelerationUse(const View& view) const;
   // Light path guided culling (world_culling.cpp).
   /// Decides whether it guides this tick; the units that need a BLAS then, the most important first.
-  std::vector<accel::WantedUnit> beginCulling(std::span<const accel::Viewpoint> viewers);
+  std::vector<accel::WantedUnit> beginCulling(std::span<const ViewRequest> requests,
+                                              std::span<const accel::Viewpoint> viewers);
   void uploadCulling(gpu::Commands& commands);
   void addFeedback(Graph& graph, uint64_t tick);
+  /// The requests, with the sun's shadow map where culling calls for it.
+  std::vector<ViewRequest> castByMap(std::span<const ViewRequest> requests) const;
   void describeCounting(shared::FrameConstants& constants, const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
@@ -84,6 +89,7 @@ class WorldRenderer {
   DrawTable draw_table_;
   std::unique_ptr<accel::CullingStrategy> strategy_;
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
+  bool cast_by_map_ = false;
   bool guided_ = false;                  // lipac_ decides about this tick: nobody needs everything
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;

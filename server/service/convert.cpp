@@ -342,6 +342,40 @@ v1::RayCounts toWire(const render::Rays& rays) {
   return out;
 }
 
+v1::AccelerationUse toWire(const render::AccelerationUse& use, const std::optional<accel::LipacFigures>& culling) {
+  v1::AccelerationUse out;
+  out.set_own_blases(use.own_blases);
+  out.set_own_blases_waiting(use.own_blases_waiting);
+  out.set_blases_built(use.blases_built);
+  out.set_blases_refitted(use.blases_refitted);
+  out.set_blas_triangles(use.blas_triangles);
+  out.set_shared_blas_bytes(use.shared_blas_bytes);
+  out.set_own_blas_bytes(use.own_blas_bytes);
+  out.set_own_vertex_bytes(use.own_vertex_bytes);
+  out.set_tlas_bytes(use.tlas_bytes);
+  out.set_scratch_bytes(use.scratch_bytes);
+  out.set_culling_bytes(use.culling_bytes);
+  if (!culling) return out;
+  v1::CullingUse& states = *out.mutable_culling();
+  states.set_inactive(culling->inactive);
+  states.set_omitted(culling->omitted);
+  states.set_requested(culling->requested);
+  states.set_active(culling->active);
+  states.set_active_hitboxes(culling->active_hitboxes);
+  states.set_boxes(culling->boxes);
+  states.set_entries(culling->entries);
+  states.set_dropped(culling->dropped);
+  states.set_changes(culling->changes);
+  states.set_cycles(culling->cycles);
+  states.set_wanted(culling->wanted);
+  states.set_served(culling->served);
+  states.set_left_over(culling->left_over);
+  states.set_opened(culling->opened);
+  states.set_shown(culling->shown);
+  states.set_unshown(culling->unshown);
+  return out;
+}
+
 v1::MemoryUse toWire(const render::MemoryUse& memory) {
   v1::MemoryUse out;
   out.set_raster(memory.raster);

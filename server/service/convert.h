@@ -50,6 +50,7 @@ Outcome<std::vector<world::Edit>> fromWire(const google::protobuf::RepeatedPtrFi
 v1::Bounds toWire(const scene::Aabb& box);
 v1::Sun toWire(const scene::Sun& sun);
 v1::RayCounts toWire(const render::Rays& rays);
+v1::AccelerationUse toWire(const render::AccelerationUse& use, const std::optional<accel::LipacFigures>& culling);
 v1::MemoryUse toWire(const render::MemoryUse& memory);
 void toWire(const std::vector<render::DroppedSamples>& dropped,
             google::protobuf::RepeatedPtrField<v1::DroppedSamples>& out);
@@ -71,6 +72,7 @@ void fillStats(const render::FrameStats& stats, Message& out) {
   }
   out.set_gpu_ms(static_cast<float>(stats.gpu_ms));
   *out.mutable_rays() = toWire(stats.rays);
+  *out.mutable_acceleration() = toWire(stats.acceleration, stats.lipac);
   *out.mutable_memory() = toWire(stats.memory);
 }
 

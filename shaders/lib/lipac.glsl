@@ -15,6 +15,7 @@ layout(buffer_reference, scalar) buffer PairTable { uvec2 items[]; };
 layout(buffer_reference, scalar) buffer StatusRef { LipacStatus status; };
 layout(push_constant, scalar) uniform Push { LipacPush push; };
 #define lipac LipacTickRef(push.tick).tick
+#include "lib/lipac_grid.glsl"
 
 uint slotAt(uint entry) { return OrderTable(lipac.order).items[entry]; }
 uint cellCount() { return 1u << 2u * lipac.grid_bits; }
@@ -26,33 +27,6 @@ uint ordered(float f) {
   return (bits & 0x80000000u) != 0u ? ~bits : bits | 0x80000000u;
 }
 float unordered(uint bits) { return uintBitsToFloat((bits & 0x80000000u) != 0u ? bits & 0x7fffffffu : ~bits); }
-
-// ---- The grid ----
-
-uint spreadBits(uint x) {
-  x = (x | x << 8) & 0x00ff00ffu;
-  x = (x | x << 4) & 0x0f0f0f0fu;
-  x = (x | x << 2) & 0x33333333u;
-  return (x | x << 1) & 0x55555555u;
-}
-uint gatherBits(uint x) {
-  x &= 0x55555555u;
-  x = (x | x >> 1) & 0x33333333u;
-  x = (x | x >> 2) & 0x0f0f0f0fu;
-  x = (x | x >> 4) & 0x00ff00ffu;
-  return (x | x >> 8) & 0x0000ffffu;
-}
-// kNoCell: outside.
-uint cellAt(vec3 position) {
-  const vec2 cell = floor(position.xz / float(kCellMetres)) - vec2(lipac.grid_x, lipac.grid_z);
-  const float side = float(1u << lipac.grid_bits);
-  if (any(lessThan(cell, vec2(0.0))) || any(greaterThanEqual(cell, vec2(side)))) return kNoCell;
-  return spreadBits(uint(cell.x)) | spreadBits(uint(cell.y)) << 1;
-}
-// Its corner with the lowest x and z.
-vec2 cellCorner(uint cell) {
-  return vec2(int(gatherBits(cell)) + lipac.grid_x, int(gatherBits(cell >> 1)) + lipac.grid_z) * float(kCellMetres);
-}
 
 // ---- Counters ----
 
@@ -82,7 +56,7 @@ void enter(inout Counter c, uint state) {
 // Takes in a tick's hits.
 void smoothHits(inout Counter c, uint hits, uint index) {
   const uint most = min(hits, kSmoothedMost);
-  c.smoothed = lipac.literal != 0u ? most : ((kSmoothing - 1u) * c.smoothed + most + kSmoothing / 2u) / kSmoothing;
+  c.smoothed = lipac.literal != 0u ? most : ((lipac.smoothing - 1u) * c.smoothed + most + lipac.smoothing / 2u) / lipac.smoothing;
   if (c.cycles > 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
 }
 
@@ -94,12 +68,15 @@ bool hitOften(inout Counter c, uint hits, uint threshold, uint ticks) {
   return c.above >= ticks || hits > 2u * raised;
 }
 
-// Hits below `threshold` for `ticks` ticks.
+// Hits below `threshold` for `ticks` ticks. Enough of them confirm a guess.
 bool hitSeldom(inout Counter c, uint threshold, uint ticks) {
+  if (c.smoothed >= threshold) c.above = 0u;
   c.below = c.smoothed < threshold ? min(c.below + 1u, kBelowMost) : 0u;
   return c.below >= ticks;
 }
 
+// A guess that went wrong is none: light paths never asked for it.
+bool isCycle(Counter c) { return c.state == kStateActive && c.above != kGuessed; }
 void countCycle(inout Counter c) {
   if (lipac.literal == 0u) c.cycles = min(c.cycles + 1u, kCyclesMost);
 }

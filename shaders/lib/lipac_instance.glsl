@@ -37,4 +37,22 @@ Placed placedOf(InstanceRecord instance) {
   return placed;
 }
 
+// A hitbox in which something came into sight: active, with a fresh clock. However many threads do it, it is done once.
+void openHitbox(uint cell) {
+  if (cell == kNoCell) return;
+  HitboxTable cells = HitboxTable(lipac.cells);
+  const uint word = cells.items[cell].word;
+  Counter c = unpackCounter(word);
+  const bool opens = c.state == kStateInactive;
+  c.below = 0u;
+  if (opens) {
+    enter(c, kStateActive);
+    c.above = kGuessed;
+  }
+  const uint opened = packCounter(c);
+  if (opened == word || atomicCompSwap(cells.items[cell].word, word, opened) != word || !opens) return;
+  StatusRef result = StatusRef(lipac.status);
+  atomicAdd(result.status.opened, 1u);
+}
+
 #endif

@@ -7,10 +7,12 @@ layout(local_size_x = kLipacGroup) in;
 
 shared uint ranks[kRanks];
 
+bool isOpen(uint cell) { return (HitboxTable(lipac.cells).items[cell].word & 3u) == kStateActive; }
+
 // The cell's box must cover what is inactive in it.
 void coverBy(Placed placed) {
   HitboxTable cells = HitboxTable(lipac.cells);
-  if ((cells.items[placed.cell].word & 3u) == kStateActive) return;  // it has no box
+  if (isOpen(placed.cell)) return;  // it has no box
   atomicMin(cells.items[placed.cell].lowest, ordered(placed.centre.y - placed.half_extent.y));
   atomicMax(cells.items[placed.cell].highest, ordered(placed.centre.y + placed.half_extent.y));
   const vec2 middle = cellCorner(placed.cell) + 0.5 * float(kCellMetres);
@@ -36,6 +38,9 @@ void main() {
       const uint before = state;
       if (placed.cell == kNoCell) state = has_blas ? kStateActive : kStateRequested;
       else if (state == kStateActive && !has_blas) state = kStateRequested;
+      // Its hitbox was opened since the last feedback, or it was built in an active one.
+      else if (state == kStateInactive && lipac.mitigation != 0u && isOpen(placed.cell))
+        state = instance.deform != 0ul ? kStateOmitted : has_blas ? kStateActive : kStateRequested;
       if (state != before) WordTable(lipac.words).items[slot] = word & ~3u | state;
 
       if (state == kStateActive) kind = kKindInstance;

@@ -34,7 +34,7 @@ bool decide(inout Counter c, uint entry, uint hits, bool dropped) {
   } else if (c.state == kStateOmitted) {
     if (hitOften(c, hits, lipac.own_activate, lipac.own_above)) enter(c, kStateRequested);
   } else if (hitSeldom(c, lipac.own_deactivate, lipac.own_below)) {
-    if (c.state == kStateActive) {
+    if (isCycle(c)) {
       countCycle(c);
       atomicAdd(cycles, 1u);
     }

@@ -19,9 +19,11 @@ void main() {
     if (c.state == kStateInactive) {
       if (hitOften(c, hits, lipac.box_activate, lipac.box_above)) enter(c, kStateActive);
     } else if (hitSeldom(c, lipac.box_deactivate, lipac.box_below)) {
+      if (isCycle(c)) {
+        countCycle(c);
+        atomicAdd(cycles, 1u);
+      }
       enter(c, kStateInactive);
-      countCycle(c);
-      atomicAdd(cycles, 1u);
     }
     cells.items[cell].word = packCounter(c);
     cells.items[cell].hits = 0u;

@@ -75,6 +75,7 @@ struct FrameConstants {
   // Light path guided culling (shared/lipac.h), with kCountHits.
   uint64_t instance_hits;  // uint, by slot
   uint64_t hitboxes;       // Hitbox, by cell
+  uint64_t culling;        // LipacTick; 0: another strategy
   uint hit_weight;         // of a hit, in 1/8; 0: this view does not count in this tick
   uint hit_stride;         // of pixels whose paths count
   uint64_t history;        // HistoryConstants (shared/history.h); 0: this view does not look back

@@ -16,6 +16,7 @@ HELIO_CONSTANT kStates = 4u;
 // mirrors alone, and hits smoothed over about 16 ticks.
 HELIO_CONSTANT kAboveShift = 2u;
 HELIO_CONSTANT kAboveMost = 7u;  // 3 bits
+HELIO_CONSTANT kGuessed = 1u;    // in place of the ticks above while active: it appeared, and hits have not confirmed it
 HELIO_CONSTANT kBelowShift = 5u;
 HELIO_CONSTANT kBelowMost = 15u;  // 4 bits
 HELIO_CONSTANT kCyclesShift = 9u;
@@ -71,9 +72,19 @@ struct LipacCommand {
 // From the CPU to the GPU.
 HELIO_CONSTANT kPatchReset = 0u;  // another instance has the slot
 HELIO_CONSTANT kPatchGrant = 1u;  // its BLAS is there
+HELIO_CONSTANT kPatchShow = 2u;   // its BLAS is there, and it has just come into a viewer's sight
+HELIO_CONSTANT kPatchShowAnew = 3u;  // the same, and another instance has the slot
+HELIO_CONSTANT kPatchOpen = 4u;   // it has just come into sight: its hitbox becomes active
 struct LipacPatch {
   uint slot;
   uint action;
+};
+
+// A block of the order that holds what has just come into a viewer's sight.
+HELIO_CONSTANT kSightWhole = 0x80000000u;  // whatever the viewer sees of it, not only what it did not see before
+struct LipacSight {
+  uint block;   // and kSightWhole
+  uint viewer;  // its volumes: 2 viewer for this tick, 2 viewer + 1 for the one before
 };
 
 // What a tick came to.
@@ -87,6 +98,7 @@ struct LipacStatus {
   uint active_hitboxes;
   uint changes;  // instances whose state changed
   uint cycles;   // hitboxes and instances of own BLASes that went back
+  uint opened;   // hitboxes that became active because something in them came into sight
 };
 
 // Every pass gets the address of one of these.
@@ -108,6 +120,8 @@ struct LipacTick {
   uint64_t commands;    // LipacCommand
   uint64_t patches;     // LipacPatch
   uint64_t cube;        // the unit cube's BLAS
+  uint64_t sights;      // LipacSight
+  uint64_t volumes;     // CullVolume: two a viewer
   int grid_x;           // the grid's first cell
   int grid_z;
   uint grid_bits;  // 2^bits cells a side
@@ -115,6 +129,7 @@ struct LipacTick {
   uint capacity;   // of `output_`
   uint command_capacity;
   uint patch_count;
+  uint sight_count;
   uint tick;
   // Thresholds in 1/8 hits.
   uint box_activate;
@@ -126,7 +141,9 @@ struct LipacTick {
   uint box_below;
   uint own_above;
   uint own_below;
-  uint literal;  // 1: the paper's rules, without smoothing and damping
+  uint smoothing;   // ticks that hits are smoothed over: kSmoothing, fewer after a camera cut
+  uint mitigation;  // 1: what comes into an active hitbox is active at once
+  uint literal;     // 1: the paper's rules, without smoothing and damping
 };
 
 struct LipacPush {

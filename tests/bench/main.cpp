@@ -6,17 +6,22 @@
 #include <exception>
 #include <iostream>
 
+#include "bench/ablation.h"
 #include "bench/accuracy.h"
 #include "bench/command.h"
 #include "bench/crash.h"
 #include "bench/culling.h"
 #include "bench/edit_storm.h"
 #include "bench/fidelity.h"
+#include "bench/fly.h"
 #include "bench/frame.h"
+#include "bench/jump.h"
 #include "bench/report.h"
 #include "bench/sampler.h"
 #include "bench/stability.h"
 #include "bench/stream.h"
+#include "bench/thresholds.h"
+#include "bench/viewers.h"
 
 namespace {
 
@@ -44,6 +49,11 @@ int main(int argc, char** argv) {
   bench::addSamplerCommand(app, command_line, action);
   bench::addAccuracyCommand(app, command_line, action);
   bench::addCullingCommand(app, command_line, action);
+  bench::addThresholdsCommand(app, command_line, action);
+  bench::addAblationCommand(app, command_line, action);
+  bench::addFlyCommand(app, command_line, action);
+  bench::addViewersCommand(app, command_line, action);
+  bench::addJumpCommand(app, command_line, action);
   bench::addEditStormCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);

@@ -133,5 +133,18 @@ TEST_F(ConfigurationTest, CommandsTakeTheServersFlags) {
   EXPECT_TRUE(doctor->json);
 }
 
+TEST_F(ConfigurationTest, CullingIsChosenWithItsThresholds) {
+  EXPECT_EQ(parse({})->configuration.device.culling, render::Culling::full);
+  const auto chosen = parse({"--culling", "lipac", "--culling-own-activate", "500", "--culling-mitigation", "false"});
+  ASSERT_TRUE(chosen.ok());
+  const render::RendererOptions& device = chosen->configuration.device;
+  EXPECT_EQ(device.culling, render::Culling::lipac);
+  EXPECT_EQ(device.culling_settings.lipac.own_activate, 500.0f);
+  EXPECT_FALSE(device.culling_settings.lipac.mitigation);
+  EXPECT_TRUE(device.culling_settings.cast_by_map);
+  EXPECT_FALSE(parse({"--culling", "magic"}).ok());
+  EXPECT_FALSE(parse({"--culling", "lipac", "--culling-box-activate", "1"}).ok());
+}
+
 }  // namespace
 }  // namespace helio::daemon

@@ -63,8 +63,8 @@ TEST(Lipac, HoldsWhatLightPathsMeetAndLittleElse) {
     const accel::LipacFigures& f = *frame.stats.lipac;
     EXPECT_EQ(all(f), count) << "tick " << tick;
     EXPECT_EQ(f.dropped, 0u) << "tick " << tick;
-    // Commands and what is granted, never all instances. (The first tick's edits place them all.)
-    EXPECT_LE(f.cpu_visits, tick == 0 ? count : 2u * 200u) << "tick " << tick;
+    // Commands, what is granted, what deforms and blocks, never all instances. (The first tick's edits place them all.)
+    EXPECT_LE(f.cpu_visits, (tick == 0 ? count : 0u) + 3u * 200u + count / 64u + 1u) << "tick " << tick;
   }
   keepUp(full, camera, 24);
   keepUp(none, camera, 24);
@@ -77,7 +77,7 @@ TEST(Lipac, HoldsWhatLightPathsMeetAndLittleElse) {
   EXPECT_GT(f.active, 20u);
   EXPECT_LT(f.active, count * 3 / 4);  // a small town: half of it is in view
   EXPECT_LT(f.entries, count);
-  EXPECT_LT(b.stats.acceleration.own_blases, a.stats.acceleration.own_blases / 4);
+  EXPECT_LT(b.stats.acceleration.own_blases, a.stats.acceleration.own_blases / 2);
   EXPECT_LT(2.0 * difference(b, a), difference(c, a));
   EXPECT_GT(difference(c, a), 0.01);  // the control fails
 
@@ -135,6 +135,7 @@ TEST(Lipac, BlasesComeWithinTheBudgetAndGoWithoutATrace) {
   Stage stage(crowd(40));
   render::CullingSettings settings;
   settings.builds = 2;
+  settings.lipac.mitigation = false;
   stage.setCulling(Culling::lipac, settings);
   uint32_t served = 0, most_left = 0, waited = 0;
   for (int tick = 0; tick < 60; ++tick) {
@@ -206,7 +207,9 @@ TEST(Lipac, AMirrorBringsWhatItShowsAndHidesWhatIsBehindIt) {
   const scene::ScenePtr scene = wall(metal(glm::vec3(0.95f), 0.0f));
   const scene::Camera camera = lookAt({0, 5, 12}, {0, 5, -24}, 0.35f);
   Stage full(scene), guided(scene);
-  guided.setCulling(Culling::lipac);
+  render::CullingSettings late;
+  late.lipac.mitigation = false;  // what stands behind the mirror would be there for a guess
+  guided.setCulling(Culling::lipac, late);
   const render::Frame early = guided.accumulate(camera, small(), 1);
   EXPECT_LE(early.stats.lipac->active, 12u);
   (void)guided.accumulate(camera, small(), 40);
