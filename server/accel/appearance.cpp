@@ -104,8 +104,7 @@ void Appearance::begin(std::span<const Sight> sights, std::span<const uint32_t> 
       if (!touches(sight.volume, placed.centre, placed.radius)) {
         viewer.seen_units[unit] = false;
       } else if (!viewer.seen_units[unit]) {
-        const float pixels =
-            pixelsOf(sight.volume, placed.radius, glm::distance(placed.centre, sight.volume.position));
+        const float pixels = pixelsOf(sight.volume, placed.radius, glm::distance(placed.centre, sight.volume.position));
         if (pixels >= settings_.own_deactivate) ranked_units.emplace_back(-pixels, unit);
       }
     }

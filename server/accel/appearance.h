@@ -1,4 +1,5 @@
-// Latency mitigation of light path guided culling [Kelling et al. 2024, §3.6]: what has just come into a viewer's sight.
+// Latency mitigation of light path guided culling [Kelling et al. 2024, §3.6]: what has just come into a viewer's
+// sight.
 #pragma once
 
 #include <map>

@@ -219,8 +219,7 @@ void Lipac::serve(const OwnBlases& blases, const Units& units) {
 }
 
 uint32_t Lipac::wantedEntries(uint32_t instances) const {
-  const uint32_t known =
-      entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
+  const uint32_t known = entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
   const auto appearing = static_cast<uint32_t>(appearance_.blocks().size()) * shared::kOrderBlock;
   return known + std::min(instances, appearing);
 }

@@ -97,11 +97,12 @@ class Lipac {
   LipacGrid grid_;
   gpu::Buffer bounds_, cube_positions_, cube_indices_;
   gpu::AccelerationStructure cube_;
-  gpu::ComputePipeline patch_, reset_, appear_, classify_, count_boxes_, count_entries_, offsets_, emit_, emit_boxes_, gather_,
-      decide_hitboxes_, decide_;
+  gpu::ComputePipeline patch_, reset_, appear_, classify_, count_boxes_, count_entries_, offsets_, emit_, emit_boxes_,
+      gather_, decide_hitboxes_, decide_;
 
   gpu::Buffer words_, hits_, untraced_, entries_, hitboxes_, reaches_, entry_sums_, box_sums_;
-  gpu::Buffer tick_buffer_, patch_buffer_, sight_buffer_, volume_buffer_, result_;  // result_: LipacStatus, then commands
+  gpu::Buffer tick_buffer_, patch_buffer_, sight_buffer_, volume_buffer_,
+      result_;  // result_: LipacStatus, then commands
   uint32_t command_capacity_ = 0;
   bool fresh_ = true;  // the counters hold nothing yet
   std::array<Returned, kDelay> returned_;

@@ -36,11 +36,11 @@ struct LipacFigures {
   uint32_t cycles = 0;   ///< hitboxes, and instances with a BLAS of their own, that went back
   uint32_t wanted = 0;   ///< BLASes asked for
   uint32_t served = 0;
-  uint32_t left_over = 0;   ///< by the budget: the GPU asks again
+  uint32_t left_over = 0;  ///< by the budget: the GPU asks again
   // Latency mitigation.
-  uint32_t opened = 0;      ///< hitboxes that became active because something in them came into sight
-  uint32_t shown = 0;       ///< instances that got a BLAS of their own for the same reason
-  uint32_t unshown = 0;     ///< that the budget left out: the next tick tries again
+  uint32_t opened = 0;   ///< hitboxes that became active because something in them came into sight
+  uint32_t shown = 0;    ///< instances that got a BLAS of their own for the same reason
+  uint32_t unshown = 0;  ///< that the budget left out: the next tick tries again
   // CPU, milliseconds: the commands of the GPU, what comes into sight, the tables that the GPU reads.
   double commands_ms = 0.0, sight_ms = 0.0, upload_ms = 0.0;
   uint64_t cpu_visits = 0;  ///< instances, and blocks of 64, that the CPU looked at in this tick, for culling

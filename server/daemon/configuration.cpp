@@ -152,10 +152,9 @@ void addServing(CLI::App& app, Configuration& c, uint64_t& synthetic_frame_us) {
 
 void addCulling(CLI::App& app, render::RendererOptions& device) {
   Flags flags(app, "Culling");
-  static const std::map<std::string, render::Culling> strategies{
-      {"full", render::Culling::full},
-      {"frustum_radius", render::Culling::frustum_radius},
-      {"lipac", render::Culling::lipac}};
+  static const std::map<std::string, render::Culling> strategies{{"full", render::Culling::full},
+                                                                 {"frustum_radius", render::Culling::frustum_radius},
+                                                                 {"lipac", render::Culling::lipac}};
   flags
       .value("culling", device.culling,
              "which instances rays can meet: full (all), frustum_radius (in a frustum or within 800 m), lipac (those "

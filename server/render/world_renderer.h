@@ -90,7 +90,7 @@ class WorldRenderer {
   std::unique_ptr<accel::CullingStrategy> strategy_;
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
   bool cast_by_map_ = false;
-  bool guided_ = false;                  // lipac_ decides about this tick: nobody needs everything
+  bool guided_ = false;  // lipac_ decides about this tick: nobody needs everything
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;

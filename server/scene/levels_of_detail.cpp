@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <meshoptimizer.h>
 
@@ -17,7 +18,9 @@ constexpr double kReduction = 0.35;    // of triangles, a level
 constexpr float kFarthestOff = 0.25f;  // of the mesh's extent: what is coarser than that is no longer this mesh
 constexpr float kMeeting = 1e-5f;      // of the mesh's extent: vertices nearer than about that are at one place
 constexpr size_t kMostCombinations = 1'000;
-constexpr float kCreaseCost = 4.0f;  // of a normal that is off, beside the stretch of a texture
+constexpr float kAreaKept = 0.7f;     // of what faces a direction
+constexpr float kAreaIgnored = 0.1f;  // of the largest such area: sides as small as that may change
+constexpr float kCreaseCost = 4.0f;   // of a normal that is off, beside the stretch of a texture
 
 /// Vertices that count as one while triangles are joined: `representative[v]` is the first of those at v's place (and
 /// on the same joints), and `next[v]` the one behind v among them, or kNone. `positions` are equal where they all but
@@ -106,6 +109,33 @@ Welding weld(const Mesh& mesh, Seams seams) {
   return welding;
 }
 
+/// Area that faces each of six directions, as it would be seen were nothing in the way: square metres.
+std::array<float, 6> facingAreas(const Mesh& mesh, std::span<const uint32_t> indices) {
+  std::array<float, 6> areas{};
+  for (size_t t = 0; t + 2 < indices.size(); t += 3) {
+    const glm::vec3 &a = mesh.positions[indices[t]], &b = mesh.positions[indices[t + 1]],
+                    &c = mesh.positions[indices[t + 2]];
+    const glm::vec3 area = 0.5f * glm::cross(b - a, c - a);
+    for (int axis = 0; axis < 3; ++axis)
+      areas[static_cast<size_t>(2 * axis + (area[axis] < 0.0f))] += std::abs(area[axis]);
+  }
+  return areas;
+}
+
+/// The largest area by which coarse triangles show more or less of themselves to a side than the fine ones: square
+/// metres; 0 where it is little of what there is. Quadrics do not care: to them a roof of two slopes is as good without
+/// one of them.
+float changedArea(const Mesh& mesh, std::span<const uint32_t> fine, std::span<const uint32_t> coarse) {
+  const std::array<float, 6> before = facingAreas(mesh, fine), after = facingAreas(mesh, coarse);
+  const float ignored = kAreaIgnored * *std::max_element(before.begin(), before.end());
+  float changed = 0.0f;
+  for (size_t side = 0; side < before.size(); ++side) {
+    const auto [less, more] = std::minmax(before[side], after[side]);
+    if (less < kAreaKept * more - ignored) changed = std::max(changed, more - less);
+  }
+  return changed;
+}
+
 /// Triangles and how far off they are, metres.
 struct Simplified {
   std::vector<uint32_t> indices;
@@ -121,11 +151,24 @@ class Simplifier {
         numbered_(mesh.positions.size()),
         number_(mesh.positions.size()) {}
 
-  /// A submesh with about `target` triangles; as it is when nothing coarser comes near it.
-  Simplified simplify(const Submesh& submesh, size_t target) {
-    Simplified result;
-    const auto begin = mesh_.indices.begin() + submesh.first_index;
-    result.indices.assign(begin, begin + submesh.index_count);
+  /// A submesh with about `target` triangles; as it is when nothing coarser comes near it. Where it would show much
+  /// more or less of itself to a side, it keeps as many triangles as it takes; `at_any_rate`: it does not, and is off
+  /// by as much as that.
+  Simplified simplify(const Submesh& submesh, size_t target, bool at_any_rate) {
+    const auto fine = std::span(mesh_.indices).subspan(submesh.first_index, submesh.index_count);
+    for (size_t goal = target; goal < fine.size() / 3; goal += goal / 2 + 1) {
+      Simplified coarse = towards(fine, goal);
+      const float changed = changedArea(mesh_, fine, coarse.indices);
+      if (changed > 0.0f && !at_any_rate) continue;
+      coarse.error = std::max(coarse.error, std::sqrt(changed));
+      return coarse;
+    }
+    return {{fine.begin(), fine.end()}, 0.0f};
+  }
+
+ private:
+  Simplified towards(std::span<const uint32_t> fine, size_t target) {
+    Simplified result{{fine.begin(), fine.end()}, 0.0f};
     // Its places, numbered by themselves: clustering looks at every place that it is given.
     std::vector<uint32_t> welded, places;
     std::vector<glm::vec3> positions;
@@ -177,7 +220,6 @@ class Simplifier {
     return result;
   }
 
- private:
   /// The corners of a joined triangle, one of the submesh's vertices at each of its three places: those whose normals
   /// fit it, and whose texture coordinates lie together.
   std::array<uint32_t, 3> chooseCorners(const std::array<uint32_t, 3>& places) const {
@@ -235,7 +277,8 @@ void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams)
       const Material& material = materials[submesh.material];
       const bool as_it_is = material.masked() || material.emission != glm::vec3(0.0f) || material.unlit;
       const auto target = static_cast<size_t>(std::ceil(share * submesh.index_count / 3.0));
-      const Simplified coarse = simplifier.simplify(submesh, as_it_is ? submesh.index_count / 3 : target);
+      const Simplified coarse =
+          simplifier.simplify(submesh, as_it_is ? submesh.index_count / 3 : target, i + 1 == kMostCoarserLevels);
       level.submeshes.push_back(submesh);
       level.submeshes.back().first_index = static_cast<uint32_t>(level.indices.size());
       level.submeshes.back().index_count = static_cast<uint32_t>(coarse.indices.size());

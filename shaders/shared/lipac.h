@@ -16,7 +16,7 @@ HELIO_CONSTANT kStates = 4u;
 // mirrors alone, and hits smoothed over about 16 ticks.
 HELIO_CONSTANT kAboveShift = 2u;
 HELIO_CONSTANT kAboveMost = 7u;  // 3 bits
-HELIO_CONSTANT kGuessed = 1u;    // in place of the ticks above while active: it appeared, and hits have not confirmed it
+HELIO_CONSTANT kGuessed = 1u;  // in place of the ticks above while active: it appeared, and hits have not confirmed it
 HELIO_CONSTANT kBelowShift = 5u;
 HELIO_CONSTANT kBelowMost = 15u;  // 4 bits
 HELIO_CONSTANT kCyclesShift = 9u;
@@ -70,11 +70,11 @@ struct LipacCommand {
 };
 
 // From the CPU to the GPU.
-HELIO_CONSTANT kPatchReset = 0u;  // another instance has the slot
-HELIO_CONSTANT kPatchGrant = 1u;  // its BLAS is there
-HELIO_CONSTANT kPatchShow = 2u;   // its BLAS is there, and it has just come into a viewer's sight
+HELIO_CONSTANT kPatchReset = 0u;     // another instance has the slot
+HELIO_CONSTANT kPatchGrant = 1u;     // its BLAS is there
+HELIO_CONSTANT kPatchShow = 2u;      // its BLAS is there, and it has just come into a viewer's sight
 HELIO_CONSTANT kPatchShowAnew = 3u;  // the same, and another instance has the slot
-HELIO_CONSTANT kPatchOpen = 4u;   // it has just come into sight: its hitbox becomes active
+HELIO_CONSTANT kPatchOpen = 4u;      // it has just come into sight: its hitbox becomes active
 struct LipacPatch {
   uint slot;
   uint action;

@@ -111,7 +111,8 @@ Result<void> measureAblation(const AblationOptions& options, const std::string& 
   text += "- R: rasterised primary hits; L: light path guided culling; S: a shadow map of what it culls\n\n";
   Table table({"", "frame, ms", "primary hits, ms", "path trace, ms", "shadow map, ms", "skin and BLAS, ms",
                "assemble, TLAS, feedback, ms", "BLAS triangles", "MB for ray tracing", "relative MSE", "SSIM"});
-  Chart chart{"ms, by combination: " + stage->camera->name, "none, L, L+S, R, R+L, R+L+S",
+  Chart chart{"ms, by combination: " + stage->camera->name,
+              "none, L, L+S, R, R+L, R+L+S",
               {{"frame", {}}, {"path trace", {}}, {"primary hits", {}}, {"shadow map", {}}}};
   for (size_t i = 0; i < runs.size(); ++i) {
     const AblationRun& run = runs[i];

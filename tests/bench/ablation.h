@@ -1,4 +1,5 @@
-// `helio-bench ablation`: rasterised primary hits, light path guided culling and the shadow map of what it culls, each alone and together.
+// `helio-bench ablation`: rasterised primary hits, light path guided culling and the shadow map of what it culls, each
+// alone and together.
 #pragma once
 
 #include <string>

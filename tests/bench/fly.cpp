@@ -33,9 +33,11 @@ struct FlyOptions {
 scene::Camera along(const scene::Camera& start, double share) {
   constexpr double kTurn = 6.283185307179586, kReach = 120.0, kYaw = 1.2, kPitch = 0.35;
   const glm::vec3 right = glm::normalize(glm::cross(start.forward, start.up));
-  const auto swing = static_cast<float>(std::sin(kTurn * share)), out = static_cast<float>(std::sin(0.5 * kTurn * share));
+  const auto swing = static_cast<float>(std::sin(kTurn * share)),
+             out = static_cast<float>(std::sin(0.5 * kTurn * share));
   scene::Camera camera = start;
-  camera.position += static_cast<float>(kReach) * (out * right + 0.5f * swing * glm::vec3(start.forward.x, 0.0f, start.forward.z));
+  camera.position +=
+      static_cast<float>(kReach) * (out * right + 0.5f * swing * glm::vec3(start.forward.x, 0.0f, start.forward.z));
   const float yaw = static_cast<float>(kYaw) * swing;
   const float pitch = static_cast<float>(kPitch * std::sin(2.0 * kTurn * share));
   const glm::vec3 turned = std::cos(yaw) * start.forward + std::sin(yaw) * right;
@@ -55,11 +57,15 @@ constexpr Quantity kQuantities[] = {
     {"upload_ms", "record table updates, CPU ms", [](const Stats& f) { return f.lipac->upload_ms; }},
     {"instances_ms", "table updates, GPU ms", [](const Stats& f) { return passMs(f, {"instances"}); }},
     {"blas_ms", "BLASes, GPU ms", [](const Stats& f) { return passMs(f, {"blas"}); }},
-    {"culling_ms", "assemble and feedback, GPU ms", [](const Stats& f) { return passMs(f, {"assemble", "feedback"}); }},
+    {"culling_ms", "assemble and feedback, GPU ms",
+     [](const Stats& f) {
+       return passMs(f, {"assemble", "feedback"});
+     }},
     {"frame_ms", "frame, GPU ms", [](const Stats& f) { return f.gpu_ms; }},
     {"wanted", "BLASes asked for by hits", [](const Stats& f) { return double(f.lipac->wanted); }},
     {"shown", "BLASes brought by sight", [](const Stats& f) { return double(f.lipac->shown); }},
-    {"left_over", "left over by the budget", [](const Stats& f) { return double(f.lipac->left_over + f.lipac->unshown); }},
+    {"left_over", "left over by the budget",
+     [](const Stats& f) { return double(f.lipac->left_over + f.lipac->unshown); }},
     {"opened", "hitboxes opened by sight", [](const Stats& f) { return double(f.lipac->opened); }},
     {"changes", "state changes", [](const Stats& f) { return double(f.lipac->changes); }},
     {"active", "active instances", [](const Stats& f) { return double(f.lipac->active); }},
@@ -75,8 +81,8 @@ Result<void> measureFly(const FlyOptions& options, const std::string& command_li
   const Provenance source = provenance(stage->renderer->device(), command_line);
   render::CullingSettings culling;
   culling.lipac.mitigation = options.mitigation;
-  const auto world = CulledWorld::open(*stage->renderer, stage->scene, stage->camera->environment,
-                                       render::Culling::lipac, culling);
+  const auto world =
+      CulledWorld::open(*stage->renderer, stage->scene, stage->camera->environment, render::Culling::lipac, culling);
   if (!world) return world.error();
 
   std::vector<std::vector<double>> values(std::size(kQuantities));
@@ -99,7 +105,8 @@ Result<void> measureFly(const FlyOptions& options, const std::string& command_li
                                  options.frames, options.mitigation ? "on" : "off");
   text += markdown(source) + "\n";
   Table table({"", "median", "95th percentile", "worst"});
-  std::vector<Chart> charts{{"CPU, ms", "seconds", {}}, {"GPU, ms", "seconds", {}}, {"Instances and BLASes", "seconds", {}}};
+  std::vector<Chart> charts{
+      {"CPU, ms", "seconds", {}}, {"GPU, ms", "seconds", {}}, {"Instances and BLASes", "seconds", {}}};
   for (size_t q = 0; q < values.size(); ++q) {
     const Quantity& quantity = kQuantities[q];
     const double worst = *std::max_element(values[q].begin(), values[q].end());

@@ -220,9 +220,9 @@ Json toJson(const JumpReport& report) {
 }
 
 std::string toMarkdown(const JumpReport& report) {
-  std::string text = fmt::format("# Jump: {}{}, {} instances, {}x{}\n\n", report.camera,
-                                 report.to == "mirror" ? " in a mirror" : "", grouped(report.instances), report.width,
-                                 report.height);
+  std::string text =
+      fmt::format("# Jump: {}{}, {} instances, {}x{}\n\n", report.camera, report.to == "mirror" ? " in a mirror" : "",
+                  grouped(report.instances), report.width, report.height);
   text += markdown(report.provenance) + "\n";
   Table summary({"", "first share", "complete by frame", "first frame, ms", "worst frame, ms", "settled, ms",
                  "worst / settled", "first error", "settled error", "load, ms"});

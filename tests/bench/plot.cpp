@@ -47,8 +47,9 @@ std::string draw(const Chart& chart, double top) {
   for (size_t i = 0; i < chart.series.size(); ++i) {
     const Series& series = chart.series[i];
     const char* color = kColors[i % std::size(kColors)];
-    svg += fmt::format("<rect x='{0:.0f}' y='{1:.0f}' width='9' height='9' fill='{2}'/><text x='{3:.0f}' y='{4:.0f}'>{5}</text>\n",
-                       legend, top + 20.0, color, legend + 13.0, top + 28.0, series.name);
+    svg += fmt::format(
+        "<rect x='{0:.0f}' y='{1:.0f}' width='9' height='9' fill='{2}'/><text x='{3:.0f}' y='{4:.0f}'>{5}</text>\n",
+        legend, top + 20.0, color, legend + 13.0, top + 28.0, series.name);
     legend += 30.0 + 6.5 * static_cast<double>(series.name.size());
     svg += fmt::format("<polyline fill='none' stroke='{}' stroke-width='1.5' points='", color);
     for (const auto& [x, y] : series.points) svg += fmt::format("{:.1f},{:.1f} ", px(x), py(y));

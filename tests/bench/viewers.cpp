@@ -95,9 +95,9 @@ Result<Cost> measure(std::vector<std::unique_ptr<CulledWorld>>& worlds,
 }
 
 Json toJson(const Cost& cost) {
-  return {{"rt_memory_bytes", cost.rt_bytes},       {"shared_blas_bytes", cost.shared_blas_bytes},
-          {"blas_triangles", cost.blas_triangles},  {"active", cost.active},
-          {"world_passes_ms", cost.world_ms},       {"tick_ms", cost.tick_ms}};
+  return {{"rt_memory_bytes", cost.rt_bytes},      {"shared_blas_bytes", cost.shared_blas_bytes},
+          {"blas_triangles", cost.blas_triangles}, {"active", cost.active},
+          {"world_passes_ms", cost.world_ms},      {"tick_ms", cost.tick_ms}};
 }
 
 Result<void> measureViewers(const ViewersOptions& options, const std::string& command_line) {
@@ -168,15 +168,15 @@ Result<void> measureViewers(const ViewersOptions& options, const std::string& co
                                  grouped(stage->scene->placements.size()), options.common.width, options.common.height);
   text += markdown(source) + "\n";
   Table table({"viewers", "MB, one structure", "of the first row", "MB, one each", "BLAS triangles, one", "each",
-               "active, one", "each", "world's passes, ms, one", "each", "tick, ms, one", "each", "error of the first"});
-  std::vector<Chart> charts{{"MB for ray tracing, shared BLASes apart", "viewers", {{"one structure", {}}, {"one each", {}}}},
-                            {"Tick, ms", "viewers", {{"one structure", {}}, {"one each", {}}}}};
+               "active, one", "each", "world's passes, ms, one", "each", "tick, ms, one", "each",
+               "error of the first"});
+  std::vector<Chart> charts{
+      {"MB for ray tracing, shared BLASes apart", "viewers", {{"one structure", {}}, {"one each", {}}}},
+      {"Tick, ms", "viewers", {{"one structure", {}}, {"one each", {}}}}};
   for (const ViewersRun& run : runs) {
     const Cost &a = run.shared, &b = run.separate;
-    json["runs"].push_back({{"viewers", run.viewers},
-                            {"shared", toJson(a)},
-                            {"separate", toJson(b)},
-                            {"relative_mse", run.relative_mse}});
+    json["runs"].push_back(
+        {{"viewers", run.viewers}, {"shared", toJson(a)}, {"separate", toJson(b)}, {"relative_mse", run.relative_mse}});
     table.add({std::to_string(run.viewers), megabytes(a.rt_bytes),
                fixed(static_cast<double>(a.rt_bytes) / static_cast<double>(runs.front().shared.rt_bytes), 2),
                megabytes(b.rt_bytes), grouped(static_cast<uint64_t>(a.blas_triangles)),

@@ -216,7 +216,8 @@ TEST(LipacLatency, WhatIsBuiltInSightIsTracedAtOnce) {
   (void)stage.accumulate(camera, small(), 30);
   const glm::vec3 place = camera.position + 25.0f * camera.forward;
   const uint64_t before = stage.world().instanceCount();
-  stage.edit({world::Build{town()->prefabs[town()->placements[500].prefab].name, {{place, glm::quat(1, 0, 0, 0), 1.0f}}}});
+  stage.edit(
+      {world::Build{town()->prefabs[town()->placements[500].prefab].name, {{place, glm::quat(1, 0, 0, 0), 1.0f}}}});
   ASSERT_EQ(stage.world().instanceCount(), before + 1);
   (void)stage.tick(camera, small());
   const auto now = instances(stage.handle());

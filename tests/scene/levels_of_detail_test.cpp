@@ -136,7 +136,7 @@ TEST(LevelsOfDetail, TheCataloguesAreSoundAndWalkersGetVeryCoarse) {
     if (prefab.category == "walker") {
       ASSERT_EQ(mesh.levels.size(), kMostCoarserLevels);
       EXPECT_LT(mesh.levels.back().indices.size() / 3, 60u);
-      EXPECT_LT(mesh.levels.back().error, 0.2f);
+      EXPECT_LT(mesh.levels.back().error, 0.6f);
     }
     // The same again.
     Mesh again = mesh;
@@ -144,6 +144,51 @@ TEST(LevelsOfDetail, TheCataloguesAreSoundAndWalkersGetVeryCoarse) {
     ASSERT_EQ(again.levels.size(), mesh.levels.size());
     for (size_t l = 0; l < mesh.levels.size(); ++l) EXPECT_EQ(again.levels[l].indices, mesh.levels[l].indices);
   }
+}
+
+/// The height of what is seen from above at a place; minus infinity: nothing.
+float topOf(const Mesh& mesh, const std::vector<uint32_t>& indices, const glm::vec2& at) {
+  float highest = -std::numeric_limits<float>::infinity();
+  for (size_t t = 0; t < indices.size(); t += 3) {
+    const glm::vec3 &a = mesh.positions[indices[t]], &b = mesh.positions[indices[t + 1]],
+                    &c = mesh.positions[indices[t + 2]];
+    const auto side = [&at](const glm::vec3& p, const glm::vec3& q) {
+      return (q.x - p.x) * (at.y - p.z) - (q.z - p.z) * (at.x - p.x);
+    };
+    const float u = side(b, c), v = side(c, a), w = side(a, b);
+    if (u < 0.0f && v < 0.0f && w < 0.0f)  // within it, and it faces up
+      highest = std::max(highest, (u * a.y + v * b.y + w * c.y) / (u + v + w));
+  }
+  return highest;
+}
+
+TEST(LevelsOfDetail, HousesKeepTheirRoofs) {
+  constexpr int kSide = 24;
+  Catalogue catalogue = makeCatalogue();
+  size_t houses = 0;
+  for (const Prefab& prefab : catalogue.prefabs) {
+    if (prefab.name.rfind("house_", 0) != 0) continue;
+    ++houses;
+    Mesh& mesh = catalogue.meshes[prefab.mesh];
+    makeLevels(mesh, catalogue.palette.materials, Seams::cross);
+    for (const MeshLevel& level : mesh.levels) {
+      if (level.error > 5.0f) continue;  // for houses of a few pixels
+      int covered = 0, same = 0;
+      for (int y = 0; y < kSide; ++y) {
+        for (int x = 0; x < kSide; ++x) {
+          const glm::vec3 p =
+              mesh.bounds.min + mesh.bounds.extent() * glm::vec3((static_cast<float>(x) + 0.5f) / kSide, 0,
+                                                                 (static_cast<float>(y) + 0.5f) / kSide);
+          const float fine = topOf(mesh, mesh.indices, {p.x, p.z});
+          covered += std::isfinite(fine);
+          same += std::isfinite(fine) && std::abs(fine - topOf(mesh, level.indices, {p.x, p.z})) < level.error;
+        }
+      }
+      EXPECT_GT(covered, kSide * kSide / 4);
+      EXPECT_GT(same, covered * 3 / 4) << prefab.name << ", " << level.indices.size() / 3 << " triangles";
+    }
+  }
+  EXPECT_GT(houses, 10u);
 }
 
 TEST(LevelsOfDetail, VerticesOfCoarserLevelsComeFirst) {

@@ -18,10 +18,10 @@ void CullingViewPass::add(const ViewPass& pass, const shared::SampleConstants& s
     pipeline = gpu::ComputePipeline(device_, "culling_view/culling_view.comp", constants);
   }
   std::vector<Access> uses{{&view.visibility, gpu::use::compute_read},
-                        {pass.instances, gpu::use::compute_read},
-                        {&view.constants, gpu::use::compute_read},
-                        {&view.path_info, gpu::use::compute_read},
-                        {&view.radiance, gpu::use::compute_write}};
+                           {pass.instances, gpu::use::compute_read},
+                           {&view.constants, gpu::use::compute_read},
+                           {&view.path_info, gpu::use::compute_read},
+                           {&view.radiance, gpu::use::compute_write}};
   if (pass.hits) uses.push_back({pass.hits, gpu::use::compute_read});
   pass.graph.add("culling_view", pass.owner, std::move(uses), [&pipeline, &view, sample](gpu::Commands& commands) {
     commands.bind(pipeline);

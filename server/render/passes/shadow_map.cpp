@@ -15,8 +15,8 @@ constexpr uint32_t kTilesPerRow = shared::kShadowTilesPerRow;
 /// The next power of 1.25: a world that grows a little must not move its shadows.
 float roundedUp(float metres) { return std::exp2(std::ceil(std::log2(metres) / 0.3219281f) * 0.3219281f); }
 
-/// What casts shadows into cascade `c`: no bound towards the sun. Whose shadow falls into the finer cascade as a whole is
-/// not looked for in this one.
+/// What casts shadows into cascade `c`: no bound towards the sun. Whose shadow falls into the finer cascade as a whole
+/// is not looked for in this one.
 shared::DrawVolume casters(const shared::ShadowMap& map, uint32_t c, bool levels) {
   const shared::ShadowCascade& cascade = map.cascades[c];
   const auto texel = [&map](const shared::ShadowCascade& of) {
@@ -76,8 +76,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
   map.image = view.shadow_image.slot();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};
-  for (uint32_t c = 0; c < shared::kShadowCascades; ++c)
-    volumes[c] = casters(map, c, settings.levels_of_detail);
+  for (uint32_t c = 0; c < shared::kShadowCascades; ++c) volumes[c] = casters(map, c, settings.levels_of_detail);
 
   std::vector<Access> accesses{{&raster.table, gpu::use::compute_read},
                                {pass.instances, gpu::use::compute_read},
