@@ -1,15 +1,30 @@
 #include "cli/command.h"
 
+#include <google/protobuf/generated_enum_reflection.h>
+
 #include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <numbers>
 
+#include "render/choices.h"
 #include "render/light_switches.h"
 #include "render/material_override.h"
 
 namespace helio::cli {
+namespace {
+
+/// "rays_and_map" is SUN_SHADOW_RAYS_AND_MAP. What the wire has no value for is what it leaves unspecified.
+template <typename Wire>
+Wire onWire(const std::string& prefix, std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::toupper(c); });
+  const auto* value = google::protobuf::GetEnumDescriptor<Wire>()->FindValueByName(prefix + name);
+  return static_cast<Wire>(value ? value->number() : 0);
+}
+
+}  // namespace
 
 Size parseSize(const std::string& text) {
   Size size;
@@ -19,13 +34,9 @@ Size parseSize(const std::string& text) {
   return size;
 }
 
-v1::PrimaryHits parsePrimary(const std::string& text) {
-  return text == "traced" ? v1::PRIMARY_HITS_TRACED : v1::PRIMARY_HITS_RASTER;
-}
+v1::PrimaryHits parsePrimary(const std::string& text) { return onWire<v1::PrimaryHits>("PRIMARY_HITS_", text); }
 
-v1::RenderMode parseMode(const std::string& text) {
-  return text == "reference" ? v1::RENDER_MODE_REFERENCE : v1::RENDER_MODE_HYBRID;
-}
+v1::RenderMode parseMode(const std::string& text) { return onWire<v1::RenderMode>("RENDER_MODE_", text); }
 
 void addMaterials(CLI::App& command, std::string& materials) {
   command
@@ -64,6 +75,44 @@ void addLightTransport(CLI::App& command, v1::LightTransport& light) {
           "--lamp-samples", [&light](uint32_t lamps) { light.set_lamp_samples(lamps); },
           "lamps that the first vertex of a path samples, 0 to 64; 0: each once")
       ->check(CLI::Range(0u, 64u));
+}
+
+void addApproximations(CLI::App& command, Approximations& chosen) {
+  const auto choice = [&](const char* flag, std::string& name, const char* description,
+                          const std::vector<std::string>& names) {
+    command.add_option(flag, name, description)->capture_default_str()->check(CLI::IsMember(names));
+  };
+  choice("--sun-shadow", chosen.sun_shadow, "hybrid mode: the sun's shadows by rays, map, or rays_and_map",
+         render::namesOf(render::kSunShadows));
+  command.add_option("--shadow-map-size", chosen.shadow_map_size, "texels along a side of a cascade, 256 to 4096")
+      ->capture_default_str()
+      ->check(CLI::Range(256u, 4096u));
+  command.add_flag("--levels-of-detail,!--no-levels-of-detail", chosen.levels_of_detail,
+                   "hybrid mode: far meshes are coarser by about a pixel (unless --no-levels-of-detail)");
+  choice("--denoiser", chosen.denoiser, "hybrid mode: none or svgf", render::namesOf(render::kDenoisers));
+  choice("--inspect", chosen.inspect,
+         "hybrid mode: numbers in the picture's place: motion, position, before, unfiltered; with a denoiser diffuse, "
+         "specular, samples",
+         render::namesOf(render::kInspects));
+}
+
+v1::Approximations Approximations::toWire() const {
+  v1::Approximations out;
+  out.set_sun_shadow(onWire<v1::SunShadow>("SUN_SHADOW_", sun_shadow));
+  out.set_shadow_map_size(shadow_map_size);
+  out.set_levels_of_detail(levels_of_detail);
+  out.set_denoiser(onWire<v1::Denoiser>("DENOISER_", denoiser));
+  return out;
+}
+
+v1::Inspect Approximations::inspectOnWire() const { return onWire<v1::Inspect>("INSPECT_", inspect); }
+
+void Approximations::put(render::ViewSettings& settings) const {
+  settings.sun_shadow = *render::byName(render::kSunShadows, sun_shadow);
+  settings.shadow_map_size = shadow_map_size;
+  settings.levels_of_detail = levels_of_detail;
+  settings.denoiser = *render::byName(render::kDenoisers, denoiser);
+  settings.inspect = *render::byName(render::kInspects, inspect);
 }
 
 void print(const Json& document) { std::cout << document.dump(2) << "\n"; }

@@ -8,6 +8,7 @@
 
 #include "base/result.h"
 #include "lib/connection.h"
+#include "render/renderer.h"
 
 namespace helio::cli {
 
@@ -54,6 +55,27 @@ v1::MaterialOverride parseMaterials(const std::string& text);
 /// Adds the switches of light transport to a command: --mis, --no-mis, ..., --regularisation. What is not given stays
 /// unset.
 void addLightTransport(CLI::App& command, v1::LightTransport& light);
+
+/// Approximations of hybrid mode, and numbers in the picture's place, as command lines name them (render/choices.h).
+struct Approximations {
+  std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing";
+  uint32_t shadow_map_size = 2048;
+  bool levels_of_detail = true;
+
+  /// For v1::Settings and v1::RenderRequest.
+  template <typename Message>
+  void put(Message& message) const {
+    *message.mutable_approximations() = toWire();
+    message.set_inspect(inspectOnWire());
+  }
+  /// For this process's own renderer.
+  void put(render::ViewSettings& settings) const;
+
+ private:
+  v1::Approximations toWire() const;
+  v1::Inspect inspectOnWire() const;
+};
+void addApproximations(CLI::App& command, Approximations& approximations);
 
 /// Prints a document with its schema.
 void print(const Json& document);

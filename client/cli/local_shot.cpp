@@ -5,6 +5,7 @@
 
 #include "cli/progress.h"
 #include "cli/shot.h"
+#include "render/choices.h"
 #include "render/light_switches.h"
 #include "render/renderer.h"
 #include "scene/city.h"
@@ -91,8 +92,8 @@ ShotResult shootLocally(ShotOptions options) {
   render::ViewSettings settings;
   settings.width = size.width;
   settings.height = size.height;
-  settings.mode = options.mode == "reference" ? render::Mode::reference : render::Mode::hybrid;
-  settings.primary = options.primary == "traced" ? render::Primary::traced : render::Primary::raster;
+  settings.mode = *render::byName(render::kModes, options.mode);
+  settings.primary = *render::byName(render::kPrimaries, options.primary);
   settings.bounces = options.bounces;
   settings.materials = *render::materialOverride(options.materials);
   for (const render::LightSwitch& each : render::kLightSwitches) {
@@ -100,6 +101,7 @@ ShotResult shootLocally(ShotOptions options) {
     if (options.light.GetReflection()->HasField(options.light, field))
       settings.*each.field = options.light.GetReflection()->GetBool(options.light, field);
   }
+  options.approximations.put(settings);
   settings.regularisation = options.light.regularisation();
   if (options.light.has_lamp_samples()) settings.lamp_samples = options.light.lamp_samples();
   settings.samples = std::min(samples, kSamplesPerTick);

@@ -25,6 +25,7 @@ ShotResult shootRemotely(const Common& common, const ShotOptions& options) {
   request.set_samples(options.samples.value_or(kShotSamples));
   request.set_materials(parseMaterials(options.materials));
   *request.mutable_light_transport() = options.light;
+  options.approximations.put(request);
   request.mutable_exposure()->set_mode(options.fixed_exposure ? v1::EXPOSURE_MODE_FIXED : v1::EXPOSURE_MODE_AUTOMATIC);
   request.mutable_exposure()->set_ev(options.exposure_ev);
   request.set_codec(codecOf(options.out));
@@ -114,6 +115,7 @@ A .pfm holds linear radiance. A named camera is seen in its own light with --loc
   shot->add_option("--bounces", options->bounces, "0 to 32")->capture_default_str()->check(CLI::Range(0u, 32u));
   addMaterials(*shot, options->materials);
   addLightTransport(*shot, options->light);
+  addApproximations(*shot, options->approximations);
   shot->add_option("--exposure", options->exposure_ev, "exponent of two; compensation of the automatic exposure")
       ->capture_default_str();
   shot->add_flag("--fixed-exposure", options->fixed_exposure, "radiance is scaled by 2^exposure and nothing else");

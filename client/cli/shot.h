@@ -22,6 +22,7 @@ struct ShotOptions {
   bool fixed_exposure = false;
   int quality = 90;
   v1::LightTransport light;
+  Approximations approximations;
   // --local only
   bool local = false, validation = false;
   uint32_t city = 0, animated = 0;

@@ -19,6 +19,7 @@ struct ViewOptions {
   uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80, max_kbps = 0, reattach = 30;
   double seconds = 0;
   v1::LightTransport light;
+  Approximations approximations;
 };
 
 v1::Settings settingsOf(const ViewOptions& options) {
@@ -32,6 +33,7 @@ v1::Settings settingsOf(const ViewOptions& options) {
   settings.set_samples(options.samples);
   settings.set_materials(parseMaterials(options.materials));
   *settings.mutable_light_transport() = options.light;
+  options.approximations.put(settings);
   settings.mutable_stream()->set_max_fps(options.max_fps);
   settings.mutable_stream()->set_jpeg_quality(options.quality);
   settings.mutable_stream()->set_max_kbps(options.max_kbps);
@@ -197,6 +199,7 @@ client/cli/README.md documents tours and telemetry.json.)");
   command->add_option("--spp", options->samples, "paths a pixel a frame, 1 to 64")->capture_default_str();
   addMaterials(*command, options->materials);
   addLightTransport(*command, options->light);
+  addApproximations(*command, options->approximations);
   command->add_option("--max-fps", options->max_fps, "frames a second")->capture_default_str();
   command->add_option("--quality", options->quality, "of the JPEGs, 1 to 100")->capture_default_str();
   command->add_option("--max-kbps", options->max_kbps, "thousands of bits a second; 0: what the connection carries")

@@ -1,14 +1,17 @@
 #include "service/convert.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <sstream>
 #include <utility>
 
+#include <google/protobuf/generated_enum_reflection.h>
 #include <spdlog/fmt/fmt.h>
 #include <glm/gtc/quaternion.hpp>
 
+#include "render/choices.h"
 #include "render/light_switches.h"
 #include "scene/city.h"
 
@@ -40,6 +43,39 @@ const google::protobuf::FieldDescriptor* fieldOf(const render::LightSwitch& ligh
   return v1::LightTransport::descriptor()->FindFieldByName(light_switch.name);
 }
 
+/// The wire's name of a choice: "rays_and_map" is SUN_SHADOW_RAYS_AND_MAP, with the beginning that the enumeration's
+/// value 0 has.
+std::string wireName(const google::protobuf::EnumDescriptor& wire, std::string name) {
+  const auto& unspecified = wire.FindValueByNumber(0)->name();
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return unspecified.substr(0, unspecified.rfind('_') + 1) + name;
+}
+
+/// Takes over what was chosen; UNSPECIFIED leaves the default.
+template <typename Wire, typename Value, size_t N>
+Outcome<void> choose(const std::string& field, Wire number, const render::Choice<Value> (&choices)[N], Value& chosen) {
+  if (number == 0) return {};
+  const auto& wire = *google::protobuf::GetEnumDescriptor<Wire>();
+  if (const auto* value = wire.FindValueByNumber(number))
+    for (const auto& choice : choices)
+      if (value->name() == wireName(wire, choice.name)) {
+        chosen = choice.value;
+        return {};
+      }
+  return outOfRange(field, text(int(number)), wire.name());
+}
+
+/// The wire's number of what is in effect.
+template <typename Wire, typename Value, size_t N>
+Wire numberOf(const render::Choice<Value> (&choices)[N], Value chosen) {
+  const auto& wire = *google::protobuf::GetEnumDescriptor<Wire>();
+  for (const auto& choice : choices)
+    if (choice.value == chosen)
+      if (const auto* value = wire.FindValueByName(wireName(wire, choice.name)))
+        return static_cast<Wire>(value->number());
+  return static_cast<Wire>(0);  // what the wire calls UNSPECIFIED: nothing was chosen
+}
+
 /// What settings and shots have in common.
 template <typename Message>
 Outcome<render::ViewSettings> viewSettings(const Message& message, const std::string& name, const Limits& limits) {
@@ -48,28 +84,8 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
   if (auto ok = within(name + ".height", message.height(), limits.min_size, limits.max_size); !ok) return ok.error();
   view.width = message.width();
   view.height = message.height();
-  switch (message.mode()) {
-    case v1::RENDER_MODE_UNSPECIFIED:
-    case v1::RENDER_MODE_HYBRID:
-      view.mode = render::Mode::hybrid;
-      break;
-    case v1::RENDER_MODE_REFERENCE:
-      view.mode = render::Mode::reference;
-      break;
-    default:
-      return outOfRange(name + ".mode", text(int(message.mode())), "RenderMode");
-  }
-  switch (message.primary()) {
-    case v1::PRIMARY_HITS_UNSPECIFIED:
-    case v1::PRIMARY_HITS_RASTER:
-      view.primary = render::Primary::raster;
-      break;
-    case v1::PRIMARY_HITS_TRACED:
-      view.primary = render::Primary::traced;
-      break;
-    default:
-      return outOfRange(name + ".primary", text(int(message.primary())), "PrimaryHits");
-  }
+  if (auto ok = choose(name + ".mode", message.mode(), render::kModes, view.mode); !ok) return ok.error();
+  if (auto ok = choose(name + ".primary", message.primary(), render::kPrimaries, view.primary); !ok) return ok.error();
   switch (message.exposure().mode()) {
     case v1::EXPOSURE_MODE_UNSPECIFIED:
     case v1::EXPOSURE_MODE_AUTOMATIC:
@@ -89,6 +105,17 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
     return outOfRange(name + ".materials", text(int(message.materials())), "MaterialOverride");
   view.materials = static_cast<render::MaterialOverride>(message.materials());
   if (message.has_bounces()) view.bounces = message.bounces();
+  const v1::Approximations& approximations = message.approximations();
+  if (auto ok = choose(name + ".approximations.sun_shadow", approximations.sun_shadow(), render::kSunShadows,
+                       view.sun_shadow);
+      !ok)
+    return ok.error();
+  if (approximations.shadow_map_size() != 0) view.shadow_map_size = approximations.shadow_map_size();
+  if (approximations.has_levels_of_detail()) view.levels_of_detail = approximations.levels_of_detail();
+  if (auto ok = choose(name + ".approximations.denoiser", approximations.denoiser(), render::kDenoisers, view.denoiser);
+      !ok)
+    return ok.error();
+  if (auto ok = choose(name + ".inspect", message.inspect(), render::kInspects, view.inspect); !ok) return ok.error();
   const v1::LightTransport& light = message.light_transport();
   for (const render::LightSwitch& each : render::kLightSwitches)
     if (const auto* field = fieldOf(each); light.GetReflection()->HasField(light, field))
@@ -216,8 +243,8 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.set_revision(settings.revision);
   out.set_width(view.width);
   out.set_height(view.height);
-  out.set_mode(view.mode == render::Mode::hybrid ? v1::RENDER_MODE_HYBRID : v1::RENDER_MODE_REFERENCE);
-  out.set_primary(view.primary == render::Primary::raster ? v1::PRIMARY_HITS_RASTER : v1::PRIMARY_HITS_TRACED);
+  out.set_mode(numberOf<v1::RenderMode>(render::kModes, view.mode));
+  out.set_primary(numberOf<v1::PrimaryHits>(render::kPrimaries, view.primary));
   out.set_bounces(view.bounces);
   out.set_samples(view.samples);
   out.mutable_exposure()->set_mode(view.auto_exposure ? v1::EXPOSURE_MODE_AUTOMATIC : v1::EXPOSURE_MODE_FIXED);
@@ -229,6 +256,12 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_max_kbps(settings.max_kbps);
   out.set_paused(settings.paused);
   out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
+  v1::Approximations& approximations = *out.mutable_approximations();
+  approximations.set_sun_shadow(numberOf<v1::SunShadow>(render::kSunShadows, view.sun_shadow));
+  approximations.set_shadow_map_size(view.shadow_map_size);
+  approximations.set_levels_of_detail(view.levels_of_detail);
+  approximations.set_denoiser(numberOf<v1::Denoiser>(render::kDenoisers, view.denoiser));
+  out.set_inspect(numberOf<v1::Inspect>(render::kInspects, view.inspect));
   v1::LightTransport& light = *out.mutable_light_transport();
   for (const render::LightSwitch& each : render::kLightSwitches)
     light.GetReflection()->SetBool(&light, fieldOf(each), view.*each.field);

@@ -59,11 +59,13 @@ Result<void> GroupCommit::commit(const std::vector<Job*>& group) {
   if (broken_) return *broken_;
   const std::lock_guard lock(database_mutex_);
   try {
+    if (std::exchange(remains_, false)) database_.emptyWal();
     database_.execute("BEGIN IMMEDIATE");
     for (const Job* job : group) (*job->work)();
     database_.execute("COMMIT");
   } catch (const SqliteFailure& failure) {
     database_.rollBack();
+    remains_ = true;
     return fail(toError(failure, path_), !failure.diskFull());
   }
   for (const Job* job : group) (*job->committed)();

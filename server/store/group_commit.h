@@ -46,7 +46,9 @@ class GroupCommit {
   const std::string path_;
   const std::chrono::milliseconds window_;
   const std::function<void(const Error&)> on_fatal_;
-  std::optional<Error> broken_;  // own thread only: the failure after which nothing is written any more
+  // Own thread only:
+  std::optional<Error> broken_;  // the failure after which nothing is written any more
+  bool remains_ = false;         // the write-ahead log may have frames of a transaction that failed
 
   std::mutex mutex_;  // guards the rest
   std::condition_variable arrived_, done_;

@@ -111,6 +111,11 @@ uint64_t Database::pragma(const std::string& name) {
   return query.step() ? query.integer(0) : 0;
 }
 
+void Database::emptyWal() {
+  if (pragma("wal_checkpoint(TRUNCATE)") != 0)  // its first column: whether somebody kept it from doing so
+    throw SqliteFailure(SQLITE_BUSY, "the write-ahead log is in use by somebody else");
+}
+
 void Database::rollBack() noexcept {
   if (sqlite3_get_autocommit(database_) == 0) sqlite3_exec(database_, "ROLLBACK", nullptr, nullptr, nullptr);
 }

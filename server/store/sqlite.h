@@ -89,6 +89,9 @@ class Database {
   void keepWalOnClose(bool keep);
   void execute(const std::string& sql);
   uint64_t pragma(const std::string& name);
+  /// Brings what the write-ahead log has into the database and empties it: the next transaction begins a new generation
+  /// of frames, and none that lies in the file can be taken for one of them.
+  void emptyWal();
   /// Undoes what was begun, if something was. Does not throw.
   void rollBack() noexcept;
   uint64_t lastRowId() const;

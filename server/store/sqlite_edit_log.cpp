@@ -322,6 +322,9 @@ Result<std::unique_ptr<EditLog>> openSqliteEditLog(SqliteLogOptions options) {
     database->execute("PRAGMA journal_mode = WAL");
     database->execute(options.synchronous ? "PRAGMA synchronous = FULL" : "PRAGMA synchronous = OFF");
     database->execute(fmt::format("PRAGMA wal_autocheckpoint = {}", options.checkpoint_pages));
+    // SQLite would write over an incomplete tail frame by frame. What is left of it could be told from a later
+    // transaction only until the next crash.
+    database->emptyWal();
     if (kind == SqliteTables::Kind::empty) SqliteTables::create(*database);
     else if (tail->incomplete_bytes > 0)
       spdlog::warn(

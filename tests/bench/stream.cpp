@@ -1,10 +1,9 @@
 #include "bench/stream.h"
 
-#include <turbojpeg.h>
-
 #include <CLI/CLI.hpp>
 #include <iostream>
 #include <memory>
+#include <thread>
 
 #include "bench/progress.h"
 #include "bench/report.h"
@@ -19,19 +18,24 @@
 namespace helio::bench {
 namespace {
 
-constexpr const char* kNotes = R"(What is measured, in turn, a round each:
+constexpr const char* kNotes =
+    R"(What is measured, a round each in turn, each after the same rest and on threads that slept:
   encode     TurboJPEG alone, into memory that is used again
   transfer   gRPC's callback API alone: one message of that size, from the server's write to the client's read
-  decode     TurboJPEG alone
+  decode     TurboJPEG alone, of what was transferred
   whole      heliographd's own path, from the renderer's return to the decoded picture at the client
-overhead: the whole over the sum of the three in the same round, in per cent. Everything is in this process, on loopback.
+overhead: the whole over the sum of the three in the same round, in per cent. The JPEG is the same on both ways, byte for
+byte. Everything is in this process, on loopback.
 
 Examples:
   helio-bench stream
   helio-bench stream --size 1920x1080 --frames 500 --json)";
 
-constexpr unsigned kQuality = 80;
-constexpr unsigned kFps = 20;  // the server rests between two frames: then the bare parts are measured
+constexpr int kQuality = 80;
+constexpr unsigned kFps = 60;
+constexpr unsigned kLongLatencyMs = 60'000;  // no frame is dropped, and no queue lowers the quality
+// Before either way, so that both find threads, cores and caches as a server finds them between two frames.
+constexpr auto kRest = std::chrono::milliseconds(10);
 
 struct StreamOptions {
   uint32_t width = 1280, height = 720;
@@ -42,39 +46,6 @@ struct StreamOptions {
 using client::JpegDecoder;
 
 double milliseconds(StreamClock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); }
-
-/// Times a function that may fail.
-template <typename Work>
-Result<double> timed(const Work& work) {
-  const auto start = StreamClock::now();
-  if (auto done = work(); !done) return done.error();
-  return milliseconds(StreamClock::now() - start);
-}
-
-/// TurboJPEG's compressor as its manual shows it, with a buffer of its own.
-class BareEncoder {
- public:
-  BareEncoder() : compressor_(tjInitCompress()) {}
-  ~BareEncoder() {
-    tjFree(buffer_);
-    tjDestroy(compressor_);
-  }
-  BareEncoder(const BareEncoder&) = delete;
-  BareEncoder& operator=(const BareEncoder&) = delete;
-
-  Result<void> encode(const std::vector<uint8_t>& rgbx, uint32_t width, uint32_t height) {
-    if (!compressor_ || tjCompress2(compressor_, rgbx.data(), int(width), 0, int(height), TJPF_RGBX, &buffer_, &size_,
-                                    TJSAMP_420, int(kQuality), 0) != 0)
-      return Error{ErrorKind::internal, std::string("TurboJPEG: ") + tjGetErrorStr2(compressor_), {}, {}, {}};
-    return {};
-  }
-  std::string jpeg() const { return {reinterpret_cast<const char*>(buffer_), size_}; }
-
- private:
-  tjhandle compressor_;
-  unsigned char* buffer_ = nullptr;
-  unsigned long size_ = 0;
-};
 
 /// A server with one viewer.
 class WholePath {
@@ -92,34 +63,43 @@ class WholePath {
     viewer.world = "bench";
     viewer.settings.set_width(options.width);
     viewer.settings.set_height(options.height);
-    viewer.settings.mutable_stream()->set_max_fps(kFps);
-    viewer.settings.mutable_stream()->set_jpeg_quality(kQuality);
+    auto& limit = *viewer.settings.mutable_stream();
+    limit.set_max_fps(kFps);
+    limit.set_max_latency_ms(kLongLatencyMs);
+    limit.set_jpeg_quality(kQuality);
+    limit.set_still_quality(kQuality);  // the camera never moves
     auto session = client::ViewerSession::attach(*path->connection_, viewer);
     if (!session) return session.error();
     path->session_ = std::move(*session);
     return path;
   }
 
-  /// Milliseconds from a picture's return by the renderer to its pixels here, of the first frame that is rendered while
-  /// nothing else goes on in this process.
-  Result<double> once(JpegDecoder& decoder, JpegDecoder::Image& image) {
-    const auto asked = StreamClock::now();
-    for (;;) {
-      auto received = session_->next();
-      if (!received) return received.error();
-      if (!*received) return Error{ErrorKind::internal, "the stream has ended", {}, {}, {}};
-      const v1::Frame& frame = (*received)->frame;
-      if (auto decoded = decoder.decode(frame.data(), image); !decoded) return decoded.error();
-      const auto now = StreamClock::now();
-      session_->shown(**received, now);
-      const auto rendered = renderer_.rendered(frame.tick());
-      if (rendered < asked) continue;  // it waited for the other measurements
-      const auto& stages = frame.telemetry().stages();
-      mailbox_.push_back(stages.mailbox_us() / 1000.0);
-      encode_.push_back(stages.encode_us() / 1000.0);
-      queue_.push_back(stages.queue_us() / 1000.0);
-      return milliseconds(now - rendered);
-    }
+  ~WholePath() { renderer_.open(); }  // the world's thread may wait in it
+
+  /// Milliseconds from a picture's return by the renderer to its pixels here. The JPEG must be `expected`.
+  Result<double> once(const std::string& expected, JpegDecoder& decoder, JpegDecoder::Image& image) {
+    renderer_.release();
+    auto received = session_->next();
+    if (!received) return received.error();
+    if (!*received) return Error{ErrorKind::internal, "the stream has ended", {}, {}, {}};
+    const v1::Frame& frame = (*received)->frame;
+    if (auto decoded = decoder.decode(frame.data(), image); !decoded) return decoded.error();
+    const auto now = StreamClock::now();
+    session_->shown(**received, now);
+    if (frame.data() != expected)
+      return Error{ErrorKind::internal,
+                   "the server's JPEG (" + std::to_string(frame.data().size()) + " bytes, quality " +
+                       std::to_string(frame.telemetry().jpeg_quality()) + ") is not the bare encoder's (" +
+                       std::to_string(expected.size()) + " bytes, quality " + std::to_string(kQuality) +
+                       "): their times cannot be compared",
+                   {},
+                   {},
+                   {}};
+    const auto& stages = frame.telemetry().stages();
+    mailbox_.push_back(stages.mailbox_us() / 1000.0);
+    encode_.push_back(stages.encode_us() / 1000.0);
+    queue_.push_back(stages.queue_us() / 1000.0);
+    return milliseconds(now - renderer_.rendered(frame.tick()));
   }
 
   /// The server's own account of its stages, milliseconds.
@@ -141,12 +121,29 @@ struct Measured {
   size_t bytes = 0;
 };
 
+/// One frame by the bare parts, in the order in which the whole path needs them.
+struct BareRound {
+  double encode, transfer, decode;
+  double sum() const { return encode + transfer + decode; }
+};
+
+Result<BareRound> bareRound(BareEncoder& encoder, BareTransfer& transfer, JpegDecoder& decoder,
+                            JpegDecoder::Image& image) {
+  const auto encoded = encoder.once();
+  if (!encoded) return encoded.error();
+  const auto transferred = transfer.once();
+  if (!transferred) return transferred.error();
+  const auto start = StreamClock::now();
+  if (auto decoded = decoder.decode(transferred->message.frame().data(), image); !decoded) return decoded.error();
+  return BareRound{*encoded, transferred->milliseconds, milliseconds(StreamClock::now() - start)};
+}
+
 Result<Measured> measure(const StreamOptions& options) {
   const auto rgbx = streamPicture(options.width, options.height);
-  BareEncoder encoder;
+  BareEncoder encoder(rgbx, options.width, options.height, kQuality);
   JpegDecoder decoder;
   JpegDecoder::Image image;
-  if (auto encoded = encoder.encode(rgbx, options.width, options.height); !encoded) return encoded.error();
+  if (auto encoded = encoder.once(); !encoded) return encoded.error();
   const std::string jpeg = encoder.jpeg();
   BareTransfer transfer(jpeg);
   FixedRenderer renderer(rgbx.data(), options.width, options.height);
@@ -157,20 +154,20 @@ Result<Measured> measure(const StreamOptions& options) {
   out.bytes = jpeg.size();
   Progress progress("streaming", options.warmup + options.frames);
   for (size_t round = 0; round < options.warmup + options.frames; ++round) {
-    const auto e = timed([&] { return encoder.encode(rgbx, options.width, options.height); });
-    const auto t = transfer.once();
-    const auto d = timed([&] { return decoder.decode(jpeg, image); });
-    const auto w = (*whole)->once(decoder, image);
-    for (const auto* part : {&e, &t, &d, &w})
-      if (!*part) return part->error();
+    std::this_thread::sleep_for(kRest);
+    const auto bare = bareRound(encoder, transfer, decoder, image);
+    if (!bare) return bare.error();
+    std::this_thread::sleep_for(kRest);
+    const auto w = (*whole)->once(jpeg, decoder, image);
+    if (!w) return w.error();
     progress.step();
     if (round < options.warmup) continue;
-    out.encode.push_back(*e);
-    out.transfer.push_back(*t);
-    out.decode.push_back(*d);
-    out.sum.push_back(*e + *t + *d);
+    out.encode.push_back(bare->encode);
+    out.transfer.push_back(bare->transfer);
+    out.decode.push_back(bare->decode);
+    out.sum.push_back(bare->sum());
     out.whole.push_back(*w);
-    out.overhead.push_back(100 * (*w / (*e + *t + *d) - 1));
+    out.overhead.push_back(100 * (*w / bare->sum() - 1));
   }
   const auto measured = [&](const std::vector<double>& all) {
     return std::vector<double>(all.end() - static_cast<std::ptrdiff_t>(options.frames), all.end());

@@ -1,11 +1,20 @@
 #include "bench/stream_parts.h"
 
 #include <grpcpp/grpcpp.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace helio::bench {
+namespace {
+
+double millisecondsSince(StreamClock::time_point start) {
+  return std::chrono::duration<double, std::milli>(StreamClock::now() - start).count();
+}
+
+}  // namespace
 
 std::vector<uint8_t> streamPicture(uint32_t width, uint32_t height) {
   constexpr uint32_t kNoise = 24;  // levels
@@ -27,6 +36,18 @@ std::vector<uint8_t> streamPicture(uint32_t width, uint32_t height) {
 
 // ---- FixedRenderer
 
+void FixedRenderer::release() {
+  const std::lock_guard lock(mutex_);
+  ++released_;
+  wake_.notify_one();
+}
+
+void FixedRenderer::open() {
+  const std::lock_guard lock(mutex_);
+  open_ = true;
+  wake_.notify_all();
+}
+
 StreamClock::time_point FixedRenderer::rendered(uint64_t tick) const {
   const std::lock_guard lock(mutex_);
   return rendered_.at(tick);
@@ -40,9 +61,56 @@ Result<std::vector<render::Frame>> FixedRenderer::tick(render::WorldHandle, cons
     frame.stats.tick = changes.tick;
     frame.stats.applied_seq = changes.applied_seq;
   }
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [&] { return open_ || released_ > 0; });
+  if (!open_) --released_;
   rendered_[changes.tick] = StreamClock::now();
   return frames;
+}
+
+// ---- BareEncoder
+
+BareEncoder::BareEncoder(const std::vector<uint8_t>& rgbx, uint32_t width, uint32_t height, int quality)
+    : rgbx_(rgbx), width_(width), height_(height), quality_(quality), compressor_(tjInitCompress()), thread_([this] {
+        work();
+      }) {}
+
+BareEncoder::~BareEncoder() {
+  {
+    const std::lock_guard lock(mutex_);
+    ending_ = true;
+    wake_.notify_one();
+  }
+  thread_.join();
+  tjFree(buffer_);
+  tjDestroy(compressor_);
+}
+
+Result<double> BareEncoder::once() {
+  std::unique_lock lock(mutex_);
+  asked_ = true;
+  wake_.notify_one();
+  done_.wait(lock, [&] { return answer_.has_value(); });
+  return *std::exchange(answer_, std::nullopt);
+}
+
+Result<double> BareEncoder::encode() {
+  const auto start = StreamClock::now();
+  if (!compressor_ || tjCompress2(compressor_, rgbx_.data(), int(width_), 0, int(height_), TJPF_RGBX, &buffer_, &size_,
+                                  TJSAMP_420, quality_, 0) != 0)
+    return Error{ErrorKind::internal, std::string("TurboJPEG: ") + tjGetErrorStr2(compressor_), {}, {}, {}};
+  return millisecondsSince(start);
+}
+
+void BareEncoder::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    wake_.wait(lock, [&] { return asked_ || ending_; });
+    if (ending_) return;
+    asked_ = false;
+    answer_ = encode();  // whoever could want the lock waits for this
+    done_.notify_one();
+  }
 }
 
 // ---- BareTransfer
@@ -103,11 +171,12 @@ BareTransfer::~BareTransfer() {
   server_->Shutdown();
 }
 
-Result<double> BareTransfer::once() {
-  v1::ServerMessage answer;
-  if (!stream_->Write(v1::ViewerMessage()) || !stream_->Read(&answer))
+Result<BareTransfer::Transferred> BareTransfer::once() {
+  Transferred out;
+  if (!stream_->Write(v1::ViewerMessage()) || !stream_->Read(&out.message))
     return Error{ErrorKind::internal, "the bare transfer's stream has ended", {}, {}, {}};
-  return std::chrono::duration<double, std::milli>(StreamClock::now() - service_->started()).count();
+  out.milliseconds = millisecondsSince(service_->started());
+  return out;
 }
 
 }  // namespace helio::bench

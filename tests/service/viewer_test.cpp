@@ -267,6 +267,12 @@ TEST_F(ViewerTest, SettingsOutOfRange) {
       {"settings.stream.max_fps", [](v1::Settings& s) { s.mutable_stream()->set_max_fps(61); }},
       {"settings.regularisation", [](v1::Settings& s) { s.mutable_light_transport()->set_regularisation(1.5f); }},
       {"settings.lamp_samples", [](v1::Settings& s) { s.mutable_light_transport()->set_lamp_samples(65); }},
+      {"settings.approximations.sun_shadow",
+       [](v1::Settings& s) { s.mutable_approximations()->set_sun_shadow(v1::SunShadow(99)); }},
+      {"settings.approximations.denoiser",
+       [](v1::Settings& s) { s.mutable_approximations()->set_denoiser(v1::Denoiser(99)); }},
+      {"settings.shadow_map_size", [](v1::Settings& s) { s.mutable_approximations()->set_shadow_map_size(100); }},
+      {"settings.inspect", [](v1::Settings& s) { s.set_inspect(v1::Inspect(99)); }},
       {"settings.stream.jpeg_quality", [](v1::Settings& s) { s.mutable_stream()->set_jpeg_quality(101); }},
       {"settings.stream.max_latency_ms", [](v1::Settings& s) { s.mutable_stream()->set_max_latency_ms(5); }},
   };

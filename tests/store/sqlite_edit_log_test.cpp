@@ -102,6 +102,42 @@ TEST(SqliteEditLog, AnIncompleteTailIsCutAndReported) {
   EXPECT_EQ(log->append("w", *epoch, record(20)), Append::ok);
 }
 
+/// A crash that loses the first page of the last transaction and keeps the others, which the disk may do as it likes.
+void loseABeginning(const Folder& folder, uint64_t begin) {
+  constexpr uint64_t kIntoTheFirstPage = 100;
+  damage(folder / "edits.db-wal", begin + kIntoTheFirstPage);
+}
+
+TEST(SqliteEditLog, TwoCrashesInARowAreNotDamage) {
+  const auto copy = [](const Folder& from, const Folder& to) {
+    for (const char* name : {"edits.db", "edits.db-wal"}) fs::copy_file(from / name, to / name);
+  };
+  const auto end = [](const Folder& folder) { return inspectWal(folder / "edits.db-wal", nullptr)->trusted_bytes; };
+  const Folder first, second, third;
+  {
+    const auto log = mustOpen(first);
+    const auto epoch = log->acquire("w");
+    const uint64_t begin = end(first);
+    Record long_one = record(1);
+    long_one.bytes.assign(200'000, 'x');  // of many pages
+    ASSERT_EQ(log->append("w", *epoch, long_one), Append::ok);
+    copy(first, second);
+    loseABeginning(second, begin);
+  }
+  {
+    const auto log = mustOpen(second);
+    const auto epoch = log->acquire("w");
+    EXPECT_EQ(log->read("w", 0, 100)->size(), 0u);
+    const uint64_t begin = end(second);
+    ASSERT_EQ(log->append("w", *epoch, record(1)), Append::ok);  // of few
+    copy(second, third);
+    loseABeginning(third, begin);
+  }
+  const auto log = mustOpen(third);  // the pages of the first crash lay behind those of the second
+  ASSERT_TRUE(log->acquire("w").ok());
+  EXPECT_EQ(log->read("w", 0, 100)->size(), 0u);
+}
+
 TEST(SqliteEditLog, DamageInTheWriteAheadLogIsNotTakenForItsEnd) {
   const Folder folder;
   writeAndCrash(folder, 20);

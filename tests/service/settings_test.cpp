@@ -1,0 +1,86 @@
+// What a viewer may choose, on the wire and in the renderer.
+#include <google/protobuf/generated_enum_reflection.h>
+
+#include <functional>
+#include <set>
+
+#include "fixture.h"
+#include "render/choices.h"
+#include "service/convert.h"
+
+namespace helio::test {
+namespace {
+
+TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
+  makeWorld("city");
+  Viewer usual(*viewers_, "city", 64, 32);
+  const v1::Approximations defaults = usual.welcome().settings().settings().approximations();
+  EXPECT_EQ(defaults.sun_shadow(), v1::SUN_SHADOW_RAYS);
+  EXPECT_EQ(defaults.shadow_map_size(), 2048u);
+  EXPECT_TRUE(defaults.levels_of_detail());
+  EXPECT_EQ(defaults.denoiser(), v1::DENOISER_NONE);
+  usual.cancel();
+  eventually([&] { return renderer_.views() == 0; }, "nobody else looks");
+  Viewer viewer(*viewers_, "city", 64, 32, [](v1::Hello& hello) {
+    auto& wanted = *hello.mutable_settings()->mutable_approximations();
+    wanted.set_sun_shadow(v1::SUN_SHADOW_RAYS_AND_MAP);
+    wanted.set_shadow_map_size(512);
+    wanted.set_levels_of_detail(false);
+    wanted.set_denoiser(v1::DENOISER_SVGF);
+    hello.mutable_settings()->set_inspect(v1::INSPECT_DIFFUSE);
+  });
+  const v1::Settings in_effect = viewer.welcome().settings().settings();
+  EXPECT_EQ(in_effect.approximations().sun_shadow(), v1::SUN_SHADOW_RAYS_AND_MAP);
+  EXPECT_EQ(in_effect.approximations().shadow_map_size(), 512u);
+  EXPECT_FALSE(in_effect.approximations().levels_of_detail());
+  EXPECT_EQ(in_effect.approximations().denoiser(), v1::DENOISER_SVGF);
+  EXPECT_EQ(in_effect.inspect(), v1::INSPECT_DIFFUSE);
+  viewer.frame();
+  const render::ViewSettings rendered = renderer_.newestSettings();
+  EXPECT_EQ(rendered.sun_shadow, render::SunShadow::rays_and_map);
+  EXPECT_EQ(rendered.shadow_map_size, 512u);
+  EXPECT_FALSE(rendered.levels_of_detail);
+  EXPECT_EQ(rendered.denoiser, render::Denoiser::svgf);
+  EXPECT_EQ(rendered.inspect, render::Inspect::diffuse);
+}
+
+/// Every choice of the renderer has a number on the wire, and every number of the wire is a choice.
+template <typename Wire, typename Value, size_t N>
+void expectOnWire(const render::Choice<Value> (&choices)[N], const std::function<void(v1::Settings&, Wire)>& put,
+                  Value render::ViewSettings::*field, Wire (*get)(const v1::Settings&)) {
+  const auto& wire = *google::protobuf::GetEnumDescriptor<Wire>();
+  std::set<Value> reached;
+  for (int i = 0; i < wire.value_count(); ++i) {
+    SCOPED_TRACE(wire.value(i)->name());
+    v1::Settings settings;
+    settings.set_width(64);
+    settings.set_height(32);
+    settings.mutable_approximations()->set_denoiser(v1::DENOISER_SVGF);  // without which some cannot be inspected
+    const auto number = static_cast<Wire>(wire.value(i)->number());
+    put(settings, number);
+    const auto taken = service::fromWire(settings, service::Limits{});
+    ASSERT_TRUE(taken) << taken.error().error.message;
+    reached.insert(taken->view.*field);
+    if (number != 0) { EXPECT_EQ(get(service::toWire(*taken)), number) << "what is in effect is said"; }
+  }
+  for (const auto& choice : choices)
+    EXPECT_EQ(reached.count(choice.value), 1u) << choice.name << " cannot be asked for";
+}
+
+TEST(SettingsOnTheWire, HaveEveryChoiceOfTheRenderer) {
+  using V = render::ViewSettings;
+  using S = v1::Settings;
+  expectOnWire<v1::RenderMode>(render::kModes, &S::set_mode, &V::mode, [](const S& s) { return s.mode(); });
+  expectOnWire<v1::PrimaryHits>(render::kPrimaries, &S::set_primary, &V::primary,
+                                [](const S& s) { return s.primary(); });
+  expectOnWire<v1::SunShadow>(
+      render::kSunShadows, [](S& s, v1::SunShadow value) { s.mutable_approximations()->set_sun_shadow(value); },
+      &V::sun_shadow, [](const S& s) { return s.approximations().sun_shadow(); });
+  expectOnWire<v1::Denoiser>(
+      render::kDenoisers, [](S& s, v1::Denoiser value) { s.mutable_approximations()->set_denoiser(value); },
+      &V::denoiser, [](const S& s) { return s.approximations().denoiser(); });
+  expectOnWire<v1::Inspect>(render::kInspects, &S::set_inspect, &V::inspect, [](const S& s) { return s.inspect(); });
+}
+
+}  // namespace
+}  // namespace helio::test
