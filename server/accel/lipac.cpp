@@ -57,6 +57,13 @@ LipacGrid gridOf(const scene::Scene& scene) {
   return grid;
 }
 
+// As placedOf() in lib/lipac_instance.glsl.
+bool exceedsHitbox(const shared::InstanceRecord& instance, const scene::Aabb& mesh_bounds) {
+  const glm::vec3 half_extent = 0.5f * mesh_bounds.extent();
+  const auto reach = [&](int row) { return glm::dot(glm::abs(glm::vec3(instance.rows[row])), half_extent); };
+  return std::max(reach(0), reach(2)) > static_cast<float>(shared::kCellMetres);
+}
+
 Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene, const LipacSettings& settings)
     : device_(device),
       settings_(settings),
@@ -298,6 +305,7 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.order = world.order;
   tick_.instances = world.instances;
   tick_.meshes = world.meshes;
+  tick_.needs = world.needs;
   tick_.bounds = bounds_.address();
   tick_.hits = hits_.address();
   tick_.words = words_.address();

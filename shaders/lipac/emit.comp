@@ -12,8 +12,6 @@ shared uint sure[kBitWords], perhaps[kBitWords];
 HELIO_GROUP_RANK(sure)
 HELIO_GROUP_RANK(perhaps)
 
-const uint kFlagDisableCulling = 1u;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
-
 // The unit cube, as the mesh's bounds, as the instance stands.
 void rowsOfBounds(InstanceRecord instance, out vec4 rows[3]) {
   const MeshBounds bounds = BoundsTable(lipac.bounds).items[instance.mesh];

@@ -10,8 +10,6 @@ layout(buffer_reference, scalar) writeonly buffer TlasTable { TlasInstance items
 shared uint wanted[kBitWords];
 HELIO_GROUP_RANK(wanted)
 
-const uint kFlagDisableCulling = 1u;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
-
 void main() {
   const uint index = gl_GlobalInvocationID.x;
   TlasTable output_ = TlasTable(lipac.output_);

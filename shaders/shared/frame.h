@@ -24,6 +24,7 @@ struct FrameConstants {
   uint64_t tlas;
   uint64_t instances;
   uint64_t meshes;
+  uint64_t traced_meshes;  // MeshRecord: of what rays meet in each one's place
   uint64_t geometries;
   uint64_t materials;
   uint64_t emitter_instances;

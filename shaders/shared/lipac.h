@@ -105,7 +105,8 @@ struct LipacStatus {
 struct LipacTick {
   uint64_t order;       // uint: slots
   uint64_t instances;   // InstanceRecord, by slot
-  uint64_t meshes;      // MeshRecord
+  uint64_t meshes;      // MeshRecord, of what rays meet
+  uint64_t needs;       // uint, as the mesh table: how much its BLAS is needed; 0: nobody asks
   uint64_t bounds;      // MeshBounds a mesh
   uint64_t hits;        // uint, by slot
   uint64_t words;       // uint, by slot
