@@ -7,6 +7,8 @@ namespace helio::accel {
 void BlasBatch::begin(const BuildBudget& budget) {
   left_ = budget;
   untouched_ = true;
+  idle_ticks_ = updates_.empty() ? idle_ticks_ + 1 : 0;
+  if (idle_ticks_ > kScratchKept) scratch_ = {};
   updates_.clear();
   scratch_sizes_.clear();
 }

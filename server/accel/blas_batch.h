@@ -21,9 +21,11 @@ struct BuildBudget {
 
 class BlasBatch {
  public:
+  static constexpr uint32_t kScratchKept = 60;  ///< ticks without a build after which scratch memory is given back
+
   explicit BlasBatch(gpu::Device& device) : device_(device) {}
 
-  /// A new tick.
+  /// A new tick. Nothing submitted may be running.
   void begin(const BuildBudget& budget);
   bool affords(uint64_t triangles) const { return left_.builds > 0 && left_.triangles >= triangles; }
   /// Nothing has been spent, so that what is larger than the whole budget gets its turn as well.
@@ -47,6 +49,7 @@ class BlasBatch {
   BuildBudget left_;
   bool untouched_ = true;
   bool one_call_ = true;
+  uint32_t idle_ticks_ = 0;
   std::vector<gpu::BlasUpdate> updates_;
   std::vector<uint64_t> scratch_sizes_;
   gpu::Buffer scratch_;

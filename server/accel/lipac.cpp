@@ -339,6 +339,8 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.box_below = settings_.frames_below;
   tick_.own_above = settings_.literal ? 1 : settings_.frames_above;
   tick_.own_below = settings_.literal ? 1 : settings_.frames_below;
+  tick_.box_flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
+  if (settings_.box_hits == BoxHits::any_hit) tick_.box_flags |= VK_GEOMETRY_INSTANCE_FORCE_NO_OPAQUE_BIT_KHR;
   tick_.literal = settings_.literal;
   figures_.upload_ms = millisecondsSince(start);
 }
@@ -420,6 +422,7 @@ LipacFigures Lipac::figures() const {
   figures.boxes = status.boxes;
   figures.entries = status.entries;
   figures.dropped = status.dropped;
+  figures.box_hits = status.box_hits / shared::kHitUnit;
   figures.changes = status.changes;
   figures.cycles = status.cycles;
   figures.opened = status.opened;

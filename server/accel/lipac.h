@@ -69,7 +69,9 @@ class Lipac {
   /// After a tick that failed: everything begins anew.
   void forget();
 
+  const Appearance& appearance() const { return appearance_; }  ///< of this tick; after begin()
   const LipacSettings& settings() const { return settings_; }
+  uint32_t ticks() const { return ticks_; }  ///< so far
   /// Of the last tick; after its commands are done.
   LipacFigures figures() const;
   /// What it asked for, in no order. After its commands are done.

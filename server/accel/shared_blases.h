@@ -64,6 +64,7 @@ class SharedBlases {
 
   /// MeshRecord a record: of what rays meet in its place, with `blas`.
   VkDeviceAddress table() const { return table_.address(); }
+  const gpu::Buffer& tableBuffer() const { return table_; }
   /// uint a record: how much it is needed, to be raised by atomicMax; 0: nobody asks (planAll).
   VkDeviceAddress needs() const { return everything_ ? 0 : needs_.address(); }
 

@@ -108,7 +108,9 @@ void WorldRenderer::describeCounting(shared::FrameConstants& constants, const Vi
   if (!view.counts_hits) return;
   const ViewSettings& settings = view.settings();
   const uint64_t paths = uint64_t{settings.width} * settings.height * settings.samples;
-  constants.hit_stride = static_cast<uint32_t>((paths + shared::kReferencePaths - 1) / shared::kReferencePaths);
+  const uint64_t most = lipac_->settings().counted_paths;
+  constants.hit_stride = static_cast<uint32_t>((paths + most - 1) / most);
+  constants.hit_turn = lipac_->ticks() % constants.hit_stride;
   const uint64_t all = uint64_t{shared::kHitUnit} * shared::kReferencePaths * constants.hit_stride;
   constants.hit_weight = static_cast<uint32_t>((all + paths / 2) / paths);
 }

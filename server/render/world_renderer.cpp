@@ -151,7 +151,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   effects_ = registry_.present(environment_);
 
   try {
-    planStructures(changes, viewers, moved);
+    planStructures(changes, requests, viewers, moved);
     const bool changed = edited || moved || !blas_batch_.empty() || instances_.orderDirty() || shared_blases_.dirty();
     // What culls follows the cameras, or the light.
     reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr || lipac_;
@@ -274,7 +274,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
   const ViewPass pass{
-      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr};
+      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr,
+      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 

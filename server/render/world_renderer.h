@@ -57,7 +57,9 @@ class WorldRenderer {
   /// Rasterised primary hits and the sun's shadow map, as far as the view asks for them.
   void addRasterPasses(const ViewPass& pass, const glm::vec2& jitter);
   // Acceleration structures (world_structures.cpp).
-  void planStructures(const world::ChangeSet& changes, std::span<const accel::Viewpoint> viewers, bool moved);
+  void planStructures(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
+                      std::span<const accel::Viewpoint> viewers, bool moved);
+  void wantForSights();
   void wantForNewcomers(const world::ChangeSet& changes);
   /// Which units need a BLAS in this tick, the nearest to a viewer first.
   std::vector<accel::WantedUnit> wantedUnits(std::span<const accel::Viewpoint> viewers) const;

@@ -7,19 +7,28 @@
 
 namespace helio::render {
 
-void WorldRenderer::planStructures(const world::ChangeSet& changes, std::span<const accel::Viewpoint> viewers,
-                                   bool moved) {
-  const std::vector<accel::WantedUnit> wanted = beginCulling(viewers);
+void WorldRenderer::planStructures(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
+                                   std::span<const accel::Viewpoint> viewers, bool moved) {
+  const std::vector<accel::WantedUnit> wanted = beginCulling(requests, viewers);
   const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
   blas_batch_.begin(reference ? accel::BuildBudget::unlimited() : build_budget_);
   if (!guided_ && strategy_->volumes() == nullptr) {
     shared_blases_.planAll(changes.tick, commands_);
   } else {
     wantForNewcomers(changes);
+    if (guided_) wantForSights();
     shared_blases_.plan(changes.tick, blas_batch_);
   }
   own_blases_.plan(wanted, units_, instances_, changes.tick, moved, blas_batch_);
   if (guided_) lipac_->serve(own_blases_, units_);
+}
+
+// Latency mitigation: what comes into sight is in the TLAS in the same tick, and so must its BLAS be. One of each kind in
+// a block is looked at: where others have another level of detail, that one's stands in for theirs.
+void WorldRenderer::wantForSights() {
+  for (const shared::LipacSight& sight : lipac_->appearance().blocks())
+    for (const uint32_t slot : instances_.kindsIn(sight.block & ~shared::kSightWhole))
+      shared_blases_.want(shared_blases_.recordOf(instances_.records()[slot]));
 }
 
 // The GPU says one tick later what it needs; of what comes by an edit it is known at once.

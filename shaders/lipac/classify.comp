@@ -42,7 +42,11 @@ void main() {
       else if (state == kStateInactive && lipac.mitigation != 0u && isOpen(placed.cell))
         state = !shares ? kStateOmitted : has_blas ? kStateActive : kStateRequested;
       if (shares && state >= kStateRequested) needShared(instance, word >> kSmoothedShift);
-      if (state != before) WordTable(lipac.words).items[slot] = word & ~3u | state;
+      if (state != before) {
+        WordTable(lipac.words).items[slot] = word & ~3u | state;
+        StatusRef result = StatusRef(lipac.status);
+        atomicAdd(result.status.changes, 1u);
+      }
 
       if (state == kStateActive) kind = kKindInstance;
       else if (state != kStateInactive) kind = kKindBox;

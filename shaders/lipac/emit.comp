@@ -51,7 +51,7 @@ void main() {
   } else {
     rowsOfBounds(instance, result.rows);
     result.custom_index_and_mask = slot | kMaskOmitted << 24;
-    result.hit_group_and_flags = kHitGroupOmitted | kFlagDisableCulling << 24;
+    result.hit_group_and_flags = kHitGroupOmitted | lipac.box_flags << 24;
     result.blas = lipac.cube;
   }
   TlasTable(lipac.output_).items[place.x + min(place.y, room)] = result;
