@@ -118,12 +118,19 @@ void InstanceTable::sortTravellers() {
 void InstanceTable::boundBlocks(size_t from_entry) {
   constexpr size_t kBlock = shared::kOrderBlock;
   blocks_.resize((order_.size() + kBlock - 1) / kBlock);
+  kinds_.resize(blocks_.size());
   for (size_t b = from_entry / kBlock; b < blocks_.size(); ++b) {
     scene::Aabb bounds;
+    std::vector<uint32_t>& kinds = kinds_[b];
+    kinds.clear();
     const size_t end = std::min(order_.size(), (b + 1) * kBlock);
     for (size_t i = b * kBlock; i < end; ++i) {
       const PlacedInstance& placed = placed_[order_[i]];
       bounds.grow({placed.centre - placed.radius, placed.centre + placed.radius});
+      if (!scene_.meshes[placed.mesh].deforms() && std::none_of(kinds.begin(), kinds.end(), [&](uint32_t slot) {
+            return placed_[slot].mesh == placed.mesh;
+          }))
+        kinds.push_back(order_[i]);
     }
     blocks_[b] = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
   }

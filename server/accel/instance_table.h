@@ -65,6 +65,8 @@ class InstanceTable {
   const std::vector<shared::InstanceRecord>& records() const { return records_; }
   const std::vector<uint32_t>& order() const { return order_; }
   const std::vector<OrderBlock>& blocks() const { return blocks_; }
+  /// Slots of a block, one a mesh of those in it that do not deform.
+  const std::vector<uint32_t>& kindsIn(uint32_t block) const { return kinds_[block]; }
   uint64_t bytes() const { return record_buffer_.size() + order_buffer_.size(); }
   uint64_t cpuBytes() const {
     return placed_.capacity() * (sizeof(PlacedInstance) + sizeof(shared::InstanceRecord) + sizeof(uint64_t)) +
@@ -92,6 +94,7 @@ class InstanceTable {
   std::vector<uint32_t> order_;  // slots by (key, slot): those that stand, then those that travel
   size_t standing_ = 0;          // of order_
   std::vector<OrderBlock> blocks_;
+  std::vector<std::vector<uint32_t>> kinds_;  // by block
   bool travellers_dirty_ = false;
   std::vector<uint32_t> dirty_slots_;
   std::vector<uint32_t> switched_slots_;  // their levels alone changed

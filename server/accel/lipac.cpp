@@ -57,6 +57,13 @@ LipacGrid gridOf(const scene::Scene& scene) {
   return grid;
 }
 
+// As placedOf() in lib/lipac_instance.glsl.
+bool exceedsHitbox(const shared::InstanceRecord& instance, const scene::Aabb& mesh_bounds) {
+  const glm::vec3 half_extent = 0.5f * mesh_bounds.extent();
+  const auto reach = [&](int row) { return glm::dot(glm::abs(glm::vec3(instance.rows[row])), half_extent); };
+  return std::max(reach(0), reach(2)) > static_cast<float>(shared::kCellMetres);
+}
+
 Lipac::Lipac(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene, const LipacSettings& settings)
     : device_(device),
       settings_(settings),
@@ -297,6 +304,7 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.order = world.order;
   tick_.instances = world.instances;
   tick_.meshes = world.meshes;
+  tick_.needs = world.needs;
   tick_.bounds = bounds_.address();
   tick_.hits = hits_.address();
   tick_.words = words_.address();
@@ -330,6 +338,8 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.box_below = settings_.frames_below;
   tick_.own_above = settings_.literal ? 1 : settings_.frames_above;
   tick_.own_below = settings_.literal ? 1 : settings_.frames_below;
+  tick_.box_flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
+  if (settings_.box_hits == BoxHits::any_hit) tick_.box_flags |= VK_GEOMETRY_INSTANCE_FORCE_NO_OPAQUE_BIT_KHR;
   tick_.literal = settings_.literal;
   figures_.upload_ms = millisecondsSince(start);
 }
@@ -411,6 +421,7 @@ LipacFigures Lipac::figures() const {
   figures.boxes = status.boxes;
   figures.entries = status.entries;
   figures.dropped = status.dropped;
+  figures.box_hits = status.box_hits / shared::kHitUnit;
   figures.changes = status.changes;
   figures.cycles = status.cycles;
   figures.opened = status.opened;

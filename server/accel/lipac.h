@@ -20,7 +20,8 @@ namespace helio::accel {
 struct LipacWorld {
   VkDeviceAddress order = 0;      ///< uint: slots in Morton order
   VkDeviceAddress instances = 0;  ///< InstanceRecord by slot
-  VkDeviceAddress meshes = 0;     ///< MeshRecord
+  VkDeviceAddress meshes = 0;     ///< SharedBlases::table()
+  VkDeviceAddress needs = 0;      ///< SharedBlases::needs(); 0: nobody asks
   uint32_t count = 0;             ///< entries of the order
   uint32_t slots = 0;
 };
@@ -33,6 +34,9 @@ struct LipacGrid {
 };
 /// Covers the scene's placements with a margin for what users build; at most 1024 x 1024 cells around its middle.
 LipacGrid gridOf(const scene::Scene& scene);
+
+/// Whether an instance's bounds are too large for a hitbox, so that it is always in the TLAS.
+bool exceedsHitbox(const shared::InstanceRecord& instance, const scene::Aabb& mesh_bounds);
 
 /// One a world. A tick calls, in this order: noteEdits, begin, serve, upload, assemble, (rays,) feedback.
 /// Deterministic: states are a function of the hits of the ticks before.
@@ -65,7 +69,9 @@ class Lipac {
   /// After a tick that failed: everything begins anew.
   void forget();
 
+  const Appearance& appearance() const { return appearance_; }  ///< of this tick; after begin()
   const LipacSettings& settings() const { return settings_; }
+  uint32_t ticks() const { return ticks_; }  ///< so far
   /// Of the last tick; after its commands are done.
   LipacFigures figures() const;
   /// What it asked for, in no order. After its commands are done.

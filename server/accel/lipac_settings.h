@@ -5,6 +5,10 @@
 
 namespace helio::accel {
 
+/// How rays go through the boxes that stand for what is culled. `closest_hit`: the box ends the ray, which is traced on
+/// behind it. `any_hit`: a shader takes down the nearest boxes and lets the ray through, within one traversal.
+enum class BoxHits : uint32_t { closest_hit, any_hit };
+
 /// Thresholds are hits a tick of 1920 x 1080 paths, whatever a viewer's size and samples are [Kelling et al. 2024,
 /// §3.5]; [2, kHighestThreshold], or kUnreachable.
 struct LipacSettings {
@@ -21,6 +25,9 @@ struct LipacSettings {
   bool mitigation = true;
   float sight_radius = 32.0f;    ///< metres around a viewer, beside its frustum; [0, 1e6]
   uint32_t sight_blocks = 1024;  ///< blocks of 64 instances that a tick may look into; [1, 1,000,000]
+  /// Of a picture with more paths than this only so many count, in tiles and in turn; [1024, 16,777,216].
+  uint32_t counted_paths = 262'144;
+  BoxHits box_hits = BoxHits::closest_hit;
   /// The paper's rules to the letter: no smoothing, no n_a and n_d for instances, no damping of cycles.
   bool literal = false;
 };
@@ -33,6 +40,7 @@ struct LipacFigures {
   uint32_t entries = 0;  ///< of the TLAS, boxes included
   uint32_t dropped = 0;  ///< found no room in it
   uint32_t changes = 0;  ///< instances whose state changed
+  uint64_t box_hits = 0;  ///< of rays that met a hitbox, in hits of 1920 x 1080 paths
   uint32_t cycles = 0;   ///< hitboxes, and instances with a BLAS of their own, that went back
   uint32_t wanted = 0;   ///< BLASes asked for
   uint32_t served = 0;

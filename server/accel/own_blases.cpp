@@ -1,7 +1,6 @@
 #include "accel/own_blases.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace helio::accel {
 namespace {
@@ -35,13 +34,10 @@ void OwnBlases::forget() {
 }
 
 void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceTable& table, uint64_t tick, bool moved,
-                     bool all) {
+                     BlasBatch& batch) {
   if (structures_.size() < units.units().size()) structures_.resize(units.units().size());
   figures_ = {};
-  jobs_.clear();
   deform_jobs_.clear();
-  updates_.clear();
-  scratch_sizes_.clear();
   most_vertices_ = 0;
   for (const WantedUnit& want : wanted) structures_[want.unit].wanted_at = tick;
 
@@ -58,14 +54,12 @@ void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceT
   for (const uint32_t unit : aged) release(unit);
   std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
 
-  BuildBudget left = budget_;
-  if (all) left = {std::numeric_limits<uint32_t>::max(), std::numeric_limits<uint64_t>::max()};
   for (const auto& [unit, level] : wanted) {
     const DeformingMesh& mesh = units.meshOf(unit);
     Structure& structure = structures_[unit];
     const bool posed = units.units()[unit].posed;
     const bool in_turn = posed && moved && (unit + tick) % kRebuildEvery == 0;
-    const auto affordable = [&](uint32_t at) { return left.builds > 0 && left.triangles >= mesh.levels[at].triangles; };
+    const auto affordable = [&](uint32_t at) { return batch.affords(mesh.levels[at].triangles); };
     // It was out of the TLAS for a while, or never in it: its pose is old, and a build is due.
     bool build = !structure.built || (posed && !structure.in_tlas);
     if (build && !affordable(level)) {
@@ -82,10 +76,7 @@ void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceT
       build = true;
     }
     const DeformingLevel& shape = mesh.levels[structure.level];
-    if (build) {
-      --left.builds;
-      left.triangles -= shape.triangles;
-    }
+    if (build) batch.spend(shape.triangles);
     const auto enter = [&] {
       structure.built = structure.in_tlas = true;
       units.setBlas(unit, structure.vertices.address, shape.vertex_count, structure.blas.address());
@@ -104,12 +95,10 @@ void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceT
       held_.push_back(unit);
     }
     const bool refit = !build && !in_turn;
-    jobs_.push_back({unit, refit});
     deform_jobs_.push_back({mesh.rest, structure.vertices.address, units.units()[unit].slot, shape.vertex_count});
-    gpu::BlasUpdate update{structure.blas.handle(), shape.geometries, refit};
+    gpu::BlasUpdate update{structure.blas.handle(), shape.geometries, gpu::BlasKind::moving, refit};
     for (gpu::BlasGeometry& geometry : update.geometries) geometry.positions = structure.vertices.address;
-    updates_.push_back(std::move(update));
-    scratch_sizes_.push_back(refit ? shape.sizes.refit_scratch : shape.sizes.build_scratch);
+    batch.add(std::move(update), refit ? shape.sizes.refit_scratch : shape.sizes.build_scratch);
     most_vertices_ = std::max(most_vertices_, shape.vertex_count);
     enter();
     ++(refit ? figures_.refitted : figures_.built);
@@ -138,17 +127,6 @@ void OwnBlases::deform(gpu::Commands& commands, const InstanceTable& table) cons
                                           table.recordBuffer().address()});
     commands.dispatch((most_vertices_ + 63) / 64, rows);
   }
-}
-
-void OwnBlases::build(gpu::Commands& commands) {
-  uint64_t scratch = 0;
-  for (const uint64_t size : scratch_sizes_) scratch = gpu::alignUp(scratch + size, device_.scratchAlignment());
-  if (scratch_.size() < scratch || scratch_.size() > 4 * scratch) {
-    if (scratch_) commands.retire(std::move(scratch_));
-    scratch_ = gpu::Buffer(
-        device_, {"the scratch memory of moving BLASes", scratch + scratch / 4, gpu::MemoryCategory::ray_tracing});
-  }
-  gpu::updateBlases(commands, updates_, scratch_sizes_, scratch_, one_call_);
 }
 
 }  // namespace helio::accel

@@ -78,11 +78,12 @@ void TlasAssembly::upload(gpu::Commands& commands) {
   if (culls_) store(volume_buffer_, "what rays can meet", std::as_bytes(std::span(volumes_)));
 }
 
-void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes) {
+void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table, const SharedBlases& blases) {
   shared::AssembleConstants constants{};
   constants.order = table.orderBuffer().address();
   constants.instances = table.recordBuffer().address();
-  constants.meshes = meshes;
+  constants.meshes = blases.table();
+  constants.needs = blases.needs();
   constants.output_ = instances_.address();
   constants.blocks = all_blocks_ ? 0 : chosen_buffer_.address();
   constants.volumes = culls_ ? volume_buffer_.address() : 0;

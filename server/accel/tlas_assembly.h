@@ -2,6 +2,7 @@
 #pragma once
 
 #include "accel/instance_table.h"
+#include "accel/shared_blases.h"
 #include "accel/strategy.h"
 #include "gpu/acceleration_structure.h"
 #include "gpu/pipelines.h"
@@ -21,8 +22,8 @@ class TlasAssembly {
   VkDeviceAddress output() const { return instances_.address(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
   void upload(gpu::Commands& commands);
-  /// Compute: writes `capacity()` TLAS instances from the table, in its order.
-  void assemble(gpu::Commands& commands, const InstanceTable& table, VkDeviceAddress meshes);
+  /// Compute: writes `capacity()` TLAS instances from the table, in its order, and notes which BLASes they need.
+  void assemble(gpu::Commands& commands, const InstanceTable& table, const SharedBlases& blases);
   /// Builds the structure from what was assembled, and reads back how many entered.
   void build(gpu::Commands& commands);
 

@@ -67,59 +67,17 @@ void AccelerationStructure::swap(AccelerationStructure& other) noexcept {
   std::swap(address_, other.address_);
 }
 
-std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs) {
-  Device& device = commands.device();
-  std::vector<AccelerationStructure> structures;
-  std::vector<std::vector<VkAccelerationStructureGeometryKHR>> geometries(inputs.size());
-  std::vector<std::vector<VkAccelerationStructureBuildRangeInfoKHR>> ranges(inputs.size());
-  std::vector<VkAccelerationStructureBuildGeometryInfoKHR> builds(inputs.size());
-  std::vector<uint64_t> scratch_offsets(inputs.size());
-  uint64_t scratch_size = 0;
-  for (size_t i = 0; i < inputs.size(); ++i) {
-    std::vector<uint32_t> counts;
-    for (const BlasGeometry& input : inputs[i].geometries) {
-      geometries[i].push_back(triangles(input));
-      ranges[i].push_back({input.triangle_count, 0, 0, 0});
-      counts.push_back(input.triangle_count);
-    }
-    auto& build = builds[i];
-    build = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
-    build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
-    build.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR |
-                  VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR;
-    build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
-    build.geometryCount = static_cast<uint32_t>(geometries[i].size());
-    build.pGeometries = geometries[i].data();
-    const auto size = sizes(device, build, counts.data());
-    structures.emplace_back(device, "the BLAS of " + inputs[i].name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
-                            size.accelerationStructureSize);
-    build.dstAccelerationStructure = structures.back().handle();
-    scratch_offsets[i] = scratch_size;
-    scratch_size = alignUp(scratch_size + size.buildScratchSize, device.scratchAlignment());
-  }
-  if (inputs.empty()) return structures;
-
-  Buffer scratch(device, {"the scratch memory of " + std::to_string(inputs.size()) + " BLAS builds", scratch_size,
-                          MemoryCategory::ray_tracing});
-  std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> range_pointers;
-  for (size_t i = 0; i < inputs.size(); ++i) {
-    builds[i].scratchData.deviceAddress = scratch.address() + scratch_offsets[i];
-    range_pointers.push_back(ranges[i].data());
-  }
-  vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(),
-                                      range_pointers.data());
-  commands.retire(std::move(scratch));
-  return structures;
-}
-
 namespace {
 
-VkAccelerationStructureBuildGeometryInfoKHR movingBlas(
-    const std::vector<VkAccelerationStructureGeometryKHR>& geometries) {
+VkAccelerationStructureBuildGeometryInfoKHR blasBuild(
+    const std::vector<VkAccelerationStructureGeometryKHR>& geometries, BlasKind kind) {
   VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
   build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
-  build.flags =
-      VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR | VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
+  build.flags = kind == BlasKind::still ? VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR |
+                                              VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_COMPACTION_BIT_KHR
+                                        : VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR |
+                                              VK_BUILD_ACCELERATION_STRUCTURE_ALLOW_UPDATE_BIT_KHR;
+  build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
   build.geometryCount = static_cast<uint32_t>(geometries.size());
   build.pGeometries = geometries.data();
   return build;
@@ -127,15 +85,21 @@ VkAccelerationStructureBuildGeometryInfoKHR movingBlas(
 
 }  // namespace
 
-BlasSizes movingBlasSizes(Device& device, std::span<const BlasGeometry> inputs) {
+BlasSizes blasSizes(Device& device, std::span<const BlasGeometry> inputs, BlasKind kind) {
   std::vector<VkAccelerationStructureGeometryKHR> geometries;
   std::vector<uint32_t> counts;
   for (const BlasGeometry& input : inputs) {
     geometries.push_back(triangles(input));
     counts.push_back(input.triangle_count);
   }
-  const auto size = sizes(device, movingBlas(geometries), counts.data());
+  const auto size = sizes(device, blasBuild(geometries, kind), counts.data());
   return {size.accelerationStructureSize, size.buildScratchSize, size.updateScratchSize};
+}
+
+uint64_t scratchFor(Device& device, std::span<const uint64_t> scratch_sizes) {
+  uint64_t scratch = 0;
+  for (const uint64_t size : scratch_sizes) scratch = alignUp(scratch + size, device.scratchAlignment());
+  return scratch;
 }
 
 void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::span<const uint64_t> scratch_sizes,
@@ -150,9 +114,8 @@ void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::
       geometries[i].push_back(triangles(input));
       ranges[i].push_back({input.triangle_count, 0, 0, 0});
     }
-    VkAccelerationStructureBuildGeometryInfoKHR build = movingBlas(geometries[i]);
-    build.mode = updates[i].refit ? VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR
-                                  : VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    VkAccelerationStructureBuildGeometryInfoKHR build = blasBuild(geometries[i], updates[i].kind);
+    if (updates[i].refit) build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_UPDATE_KHR;
     build.srcAccelerationStructure = updates[i].refit ? updates[i].structure : VK_NULL_HANDLE;
     build.dstAccelerationStructure = updates[i].structure;
     build.scratchData.deviceAddress = scratch.address() + offset;
@@ -170,6 +133,26 @@ void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::
     vkCmdBuildAccelerationStructuresKHR(commands.handle(), 1, &builds[i], &range_pointers[i]);
     commands.barrier(use::build_write, use::build_write);
   }
+}
+
+std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs) {
+  Device& device = commands.device();
+  std::vector<AccelerationStructure> structures;
+  if (inputs.empty()) return structures;
+  std::vector<BlasUpdate> updates;
+  std::vector<uint64_t> scratch_sizes;
+  for (const BlasInput& input : inputs) {
+    const BlasSizes size = blasSizes(device, input.geometries, BlasKind::still);
+    structures.emplace_back(device, "the BLAS of " + input.name, VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR,
+                            size.structure);
+    updates.push_back({structures.back().handle(), input.geometries, BlasKind::still});
+    scratch_sizes.push_back(size.build_scratch);
+  }
+  Buffer scratch(device, {"the scratch memory of " + std::to_string(inputs.size()) + " BLAS builds",
+                          scratchFor(device, scratch_sizes), MemoryCategory::ray_tracing});
+  updateBlases(commands, updates, scratch_sizes, scratch);
+  commands.retire(std::move(scratch));
+  return structures;
 }
 
 void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) {

@@ -55,22 +55,27 @@ struct BlasInput {
   std::vector<BlasGeometry> geometries;
 };
 
-/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much). Fast to trace. The
+/// Builds all of `inputs` in one call (on an H200 a barrier between builds costs 60 times as much), to stand still. The
 /// caller places a barrier from build_write before the structures are used.
 std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<const BlasInput> inputs);
 
-/// Bytes of a BLAS that is refitted while its vertices move.
+/// What a BLAS is built for. `still`: fast to trace, and compact() may shrink it. `moving`: fast to build, and refitted
+/// while its vertices move.
+enum class BlasKind { still, moving };
+
+/// Bytes that a BLAS needs.
 struct BlasSizes {
   uint64_t structure = 0;
   uint64_t build_scratch = 0;
   uint64_t refit_scratch = 0;
 };
-BlasSizes movingBlasSizes(Device& device, std::span<const BlasGeometry> geometries);
+BlasSizes blasSizes(Device& device, std::span<const BlasGeometry> geometries, BlasKind kind);
 
-/// A BLAS that moves: built anew, or refitted to where its vertices are now (it was built of the same triangles).
+/// A BLAS that is built anew, or refitted to where its vertices are now (it was built of the same triangles).
 struct BlasUpdate {
   VkAccelerationStructureKHR structure = VK_NULL_HANDLE;
   std::vector<BlasGeometry> geometries;
+  BlasKind kind = BlasKind::moving;
   bool refit = false;
 };
 
@@ -79,6 +84,8 @@ struct BlasUpdate {
 /// to measure what the batch saves.
 void updateBlases(Commands& commands, std::span<const BlasUpdate> updates, std::span<const uint64_t> scratch_sizes,
                   const Buffer& scratch, bool one_call = true);
+/// The scratch memory that updateBlases() needs for builds of these sizes.
+uint64_t scratchFor(Device& device, std::span<const uint64_t> scratch_sizes);
 
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.
 class Tlas {

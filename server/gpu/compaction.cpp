@@ -2,60 +2,72 @@
 
 namespace helio::gpu {
 namespace {
-
 constexpr uint64_t kWorthwhile = 20;  // a saving of 1 / 20 is
+}
 
-/// Compacted sizes, in order.
-std::vector<uint64_t> compactedSizes(Commands& commands, std::span<const AccelerationStructure> structures) {
-  Device& device = commands.device();
-  const auto count = static_cast<uint32_t>(structures.size());
+CompactionQuery::CompactionQuery(Commands& commands, std::span<const VkAccelerationStructureKHR> structures)
+    : device_(&commands.device()), count_(static_cast<uint32_t>(structures.size())) {
   VkQueryPoolCreateInfo info{VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO};
   info.queryType = VK_QUERY_TYPE_ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR;
-  info.queryCount = count;
-  struct Pool {
-    VkDevice device;
-    VkQueryPool handle = VK_NULL_HANDLE;
-    ~Pool() { vkDestroyQueryPool(device, handle, nullptr); }
-  } pool{device.handle()};
-  check(vkCreateQueryPool(device.handle(), &info, nullptr, &pool.handle), "a pool of compacted sizes");
-  std::vector<VkAccelerationStructureKHR> handles;
-  for (const AccelerationStructure& structure : structures) handles.push_back(structure.handle());
-  commands.begin();
-  vkCmdResetQueryPool(commands.handle(), pool.handle, 0, count);
-  vkCmdWriteAccelerationStructuresPropertiesKHR(commands.handle(), count, handles.data(), info.queryType, pool.handle,
-                                                0);
-  commands.submit();
-  (void)commands.finish();
-  std::vector<uint64_t> sizes(count);
-  check(vkGetQueryPoolResults(device.handle(), pool.handle, 0, count, count * sizeof(uint64_t), sizes.data(),
+  info.queryCount = count_;
+  check(vkCreateQueryPool(device_->handle(), &info, nullptr, &pool_), "a pool of compacted sizes");
+  commands.barrier(use::build_write, use::build_read);
+  vkCmdResetQueryPool(commands.handle(), pool_, 0, count_);
+  vkCmdWriteAccelerationStructuresPropertiesKHR(commands.handle(), count_, structures.data(), info.queryType, pool_, 0);
+}
+
+CompactionQuery::~CompactionQuery() {
+  if (pool_) vkDestroyQueryPool(device_->handle(), pool_, nullptr);
+}
+
+void CompactionQuery::swap(CompactionQuery& other) noexcept {
+  std::swap(device_, other.device_);
+  std::swap(pool_, other.pool_);
+  std::swap(count_, other.count_);
+}
+
+std::vector<uint64_t> CompactionQuery::sizes() const {
+  std::vector<uint64_t> sizes(count_);
+  check(vkGetQueryPoolResults(device_->handle(), pool_, 0, count_, count_ * sizeof(uint64_t), sizes.data(),
                               sizeof(uint64_t), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT),
         "reading compacted sizes");
   return sizes;
 }
 
-}  // namespace
+bool worthCompacting(uint64_t size, uint64_t compacted) {
+  return compacted > 0 && compacted + size / kWorthwhile <= size;
+}
+
+void copyCompacted(Commands& commands, VkAccelerationStructureKHR from, VkAccelerationStructureKHR to) {
+  VkCopyAccelerationStructureInfoKHR copy{VK_STRUCTURE_TYPE_COPY_ACCELERATION_STRUCTURE_INFO_KHR};
+  copy.src = from;
+  copy.dst = to;
+  copy.mode = VK_COPY_ACCELERATION_STRUCTURE_MODE_COMPACT_KHR;
+  vkCmdCopyAccelerationStructureKHR(commands.handle(), &copy);
+}
 
 Compaction compact(Commands& commands, std::span<AccelerationStructure> structures) {
   Compaction result;
   if (structures.empty()) return result;
-  const std::vector<uint64_t> sizes = compactedSizes(commands, structures);
+  std::vector<VkAccelerationStructureKHR> handles;
+  for (const AccelerationStructure& structure : structures) handles.push_back(structure.handle());
+  commands.begin();
+  const CompactionQuery query(commands, handles);
+  commands.submit();
+  (void)commands.finish();
+  const std::vector<uint64_t> sizes = query.sizes();
+
   std::vector<AccelerationStructure> compacted(structures.size());
   commands.begin();
   for (size_t i = 0; i < structures.size(); ++i) {
     const uint64_t size = structures[i].size();
     result.before += size;
-    if (sizes[i] == 0 || sizes[i] + size / kWorthwhile > size) {
-      result.after += size;
-      continue;
-    }
-    result.after += sizes[i];
+    const bool worth = worthCompacting(size, sizes[i]);
+    result.after += worth ? sizes[i] : size;
+    if (!worth) continue;
     compacted[i] = AccelerationStructure(commands.device(), "a compacted BLAS",
                                          VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, sizes[i]);
-    VkCopyAccelerationStructureInfoKHR copy{VK_STRUCTURE_TYPE_COPY_ACCELERATION_STRUCTURE_INFO_KHR};
-    copy.src = structures[i].handle();
-    copy.dst = compacted[i].handle();
-    copy.mode = VK_COPY_ACCELERATION_STRUCTURE_MODE_COMPACT_KHR;
-    vkCmdCopyAccelerationStructureKHR(commands.handle(), &copy);
+    copyCompacted(commands, handles[i], compacted[i].handle());
   }
   commands.submit();
   (void)commands.finish();

@@ -153,7 +153,8 @@ RayTracingPipeline::RayTracingPipeline(Device& device, const RayTracingDescripti
     add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_GENERAL_KHR, add_stage(VK_SHADER_STAGE_MISS_BIT_KHR, miss), kUnused,
               kUnused);
   for (const HitGroup& hit : description.hits) {
-    const uint32_t closest = add_stage(VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, hit.closest_hit);
+    const uint32_t closest =
+        hit.closest_hit.empty() ? kUnused : add_stage(VK_SHADER_STAGE_CLOSEST_HIT_BIT_KHR, hit.closest_hit);
     const uint32_t any = hit.any_hit.empty() ? kUnused : add_stage(VK_SHADER_STAGE_ANY_HIT_BIT_KHR, hit.any_hit);
     add_group(VK_RAY_TRACING_SHADER_GROUP_TYPE_TRIANGLES_HIT_GROUP_KHR, kUnused, closest, any);
   }

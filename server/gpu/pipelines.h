@@ -62,8 +62,8 @@ class RasterPipeline : public Pipeline {
 };
 
 struct HitGroup {
-  std::string closest_hit;
-  std::string any_hit;  ///< may be empty
+  std::string closest_hit;  ///< may be empty
+  std::string any_hit;      ///< may be empty
 };
 
 struct RayTracingDescription {

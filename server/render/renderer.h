@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "accel/lipac_settings.h"
+#include "accel/shared_blas_settings.h"
 #include "base/result.h"
 #include "render/material_override.h"
 #include "scene/scene.h"
@@ -154,6 +155,9 @@ struct AccelerationUse {
   uint32_t own_blases = 0;          ///< BLASes that belong to one instance, in this tick's TLAS
   uint32_t own_blases_in_view = 0;  ///< those of them in the view's frustum
   uint32_t own_blases_waiting = 0;  ///< wanted, and left to a later tick by the budget
+  // BLASes of a mesh at one level of detail, which instances share: there, needed but kept out by a budget, and in this
+  // tick built and given back.
+  uint32_t shared_blases = 0, shared_blases_waiting = 0, shared_blases_built = 0, shared_blases_evicted = 0;
   uint32_t blases_built = 0;
   uint32_t blases_refitted = 0;
   uint64_t blas_triangles = 0;   ///< built or refitted in this tick
@@ -232,9 +236,10 @@ struct CullingSettings {
   float radius = 800.0f;       ///< metres, > 0; of frustum_radius and distance
   /// What lipac culls casts the sun's shadow by the map: views with SunShadow::rays get rays_and_map.
   bool cast_by_map = false;
-  // What a tick may build of BLASes of instances' own; refits have no budget.
+  // What a tick may build of BLASes; refits have no budget.
   uint32_t builds = 1024;
   uint64_t build_triangles = 1'000'000;
+  accel::SharedBlasSettings shared_blases;  ///< of all but full
 };
 
 /// What light path guided culling made of an instance in the last tick.

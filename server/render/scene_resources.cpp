@@ -138,8 +138,7 @@ struct SceneResources::Tables {
   std::vector<shared::GeometryRecord> geometries;
   std::vector<shared::MeshRecord> meshes;  // by mesh; behind them the coarser levels
   std::vector<shared::DrawRecord> solid, masked;
-  std::vector<gpu::BlasInput> blas_inputs;
-  std::vector<size_t> record_of_blas;  // in `meshes`, by input
+  std::vector<accel::SharedShape> shapes;  // by entry of `meshes`
 };
 
 void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, uint32_t m, uint32_t level,
@@ -152,6 +151,7 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
   if (level > 0) {
     record = tables.meshes.size();
     tables.meshes.emplace_back();
+    tables.shapes.emplace_back();
     if (level == 1) tables.meshes[m].coarser = static_cast<uint32_t>(record);
   }
   const uint32_t coarser = tables.meshes[record].coarser;
@@ -168,7 +168,7 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
     vertex_count = 0;
     for (const uint32_t vertex : indices) vertex_count = std::max(vertex_count, tables.orders[m].place(vertex) + 1);
   }
-  gpu::BlasInput blas{mesh.name, {}};
+  accel::SharedShape shape{mesh.name, m, {}, indices.size() / 3};
   for (uint32_t g = 0; g < submeshes.size(); ++g) {
     const scene::Submesh& submesh = submeshes[g];
     shared::GeometryRecord geometry{};
@@ -180,7 +180,7 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
     geometry.emitter_offset = emitters.count ? emitters.geometry_offset[g] : shared::kNoTexture;
     tables.geometries.push_back(geometry);
     const bool cut_out = scene.materials[submesh.material].masked() && !submesh.whole;
-    blas.geometries.push_back({geometry.positions, vertex_count, geometry.indices, submesh.index_count / 3, !cut_out});
+    shape.geometries.push_back({geometry.positions, vertex_count, geometry.indices, submesh.index_count / 3, !cut_out});
     if (submesh.index_count > 0)
       (cut_out ? tables.masked : tables.solid)
           .push_back({geometry.positions, geometry.indices, submesh.index_count, m, level, g});
@@ -189,12 +189,11 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
     accel::DeformingMesh& deforming = deforming_[m];
     if (level == 0)
       deforming = {tables.deforms[m], positions_.address() + tables.first_vertex[m] * sizeof(glm::vec3), {}};
-    deforming.levels.push_back(
-        {vertex_count, blas.geometries, gpu::movingBlasSizes(device, blas.geometries), indices.size() / 3});
-  } else {
-    tables.record_of_blas.push_back(record);
-    tables.blas_inputs.push_back(std::move(blas));
+    deforming.levels.push_back({vertex_count, shape.geometries,
+                                gpu::blasSizes(device, shape.geometries, gpu::BlasKind::moving), shape.triangles});
+    shape.geometries.clear();
   }
+  tables.shapes[record] = std::move(shape);
 }
 
 void SceneResources::uploadDraws(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene,
@@ -259,6 +258,7 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   // Tables of geometries, and what BLAS builds and draws need of them.
   tables.emitters = effects::collectEmitters(scene);
   tables.meshes.resize(scene.meshes.size());
+  tables.shapes.resize(scene.meshes.size());
   deforming_.resize(scene.meshes.size());
   for (uint32_t m = 0; m < scene.meshes.size(); ++m) {
     emitter_power_.push_back(tables.emitters.meshes[m].power);
@@ -270,22 +270,11 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   materials_ = uploaded(device, commands, "the material table", materialTable(scene, TextureSlots{texture_slots}));
   uploadDraws(device, commands, scene, tables);
 
-  commands.barrier(gpu::use::transfer_write, gpu::use::build_read);
-  blases_ = gpu::buildBlases(commands, tables.blas_inputs);
-  commands.submit();
-  (void)commands.finish();
-  compaction_ = gpu::compact(commands, blases_);
-  commands.begin();
-  for (size_t i = 0; i < blases_.size(); ++i) tables.meshes[tables.record_of_blas[i]].blas = blases_[i].address();
   meshes_ = uploaded(device, commands, "the mesh table", tables.meshes);
+  mesh_records_ = std::move(tables.meshes);
+  shapes_ = std::move(tables.shapes);
   commands.submit();
   (void)commands.finish();
-}
-
-uint64_t SceneResources::blasBytes() const {
-  uint64_t bytes = 0;
-  for (const gpu::AccelerationStructure& blas : blases_) bytes += blas.size();
-  return bytes;
 }
 
 std::vector<VkDeviceAddress> SceneResources::uploadDeforms(gpu::Device& device, gpu::Commands& commands,

@@ -1,12 +1,12 @@
-// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, one shared BLAS a mesh and level of
-// detail, emissive triangles. Immutable after upload; what users change is in accel::InstanceTable.
+// A scene on the GPU: vertices, textures, materials, geometry and mesh tables, emissive triangles. Immutable after
+// upload; what users change is in accel::InstanceTable, and BLASes come and go in accel::SharedBlases.
 #pragma once
 
 #include <vector>
 
+#include "accel/shared_blases.h"
 #include "accel/units.h"
 #include "effects/emitters.h"
-#include "gpu/compaction.h"
 #include "scene/scene.h"
 
 namespace helio::render {
@@ -21,7 +21,7 @@ struct VertexOrder {
 
 class SceneResources {
  public:
-  /// Uploads and builds; waits for the GPU. Throws gpu::Failure when memory runs out or a limit of the tables is
+  /// Uploads; waits for the GPU. Throws gpu::Failure when memory runs out or a limit of the tables is
   /// passed.
   SceneResources(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
@@ -31,8 +31,9 @@ class SceneResources {
   VkDeviceAddress emitterTriangles() const { return emitter_triangles_.address(); }
   uint64_t emitterBytes() const { return emitter_triangles_.size(); }
   uint64_t textureBytes() const { return texture_bytes_; }
-  uint64_t blasBytes() const;                                                          ///< of the shared BLASes
-  uint64_t compactionSaved() const { return compaction_.before - compaction_.after; }  ///< bytes
+  /// The mesh table, and by record what its BLAS is built of.
+  const std::vector<shared::MeshRecord>& meshRecords() const { return mesh_records_; }
+  const std::vector<accel::SharedShape>& shapes() const { return shapes_; }
   /// By mesh: what its instances' own BLASes are made of; empty entries for rigid meshes.
   const std::vector<accel::DeformingMesh>& deforming() const { return deforming_; }
   const std::vector<float>& emitterPower() const { return emitter_power_; }  ///< by mesh
@@ -64,8 +65,8 @@ class SceneResources {
   gpu::Buffer positions_, attributes_, indices_, extras_, deforms_;
   gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, draw_records_, cull_meshes_;
   uint32_t draw_count_ = 0, solid_draws_ = 0;
-  std::vector<gpu::AccelerationStructure> blases_;
-  gpu::Compaction compaction_;
+  std::vector<shared::MeshRecord> mesh_records_;
+  std::vector<accel::SharedShape> shapes_;
   std::vector<accel::DeformingMesh> deforming_;
   std::vector<float> emitter_power_;
 };

@@ -11,7 +11,8 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   reassemble_ = true;
   lipac_.reset();
   cast_by_map_ = false;
-  own_blases_.setBudget({settings.builds, settings.build_triangles});
+  build_budget_ = {settings.builds, settings.build_triangles};
+  shared_blases_.set(settings.shared_blases);
   strategy_ = culling == Culling::frustum_radius ? accel::frustumRadiusStrategy(settings.radius)
               : culling == Culling::distance     ? accel::distanceStrategy(settings.radius)
                                                  : accel::fullStrategy();
@@ -85,14 +86,18 @@ void WorldRenderer::uploadCulling(gpu::Commands& commands) {
   const auto count = static_cast<uint32_t>(instances_.order().size());
   tlas_.reserve(commands, lipac_->wantedEntries(count));
   lipac_->upload(commands,
-                 {instances_.orderBuffer().address(), instances_.recordBuffer().address(), resources_.meshes(), count,
-                  static_cast<uint32_t>(instances_.records().size())},
+                 {instances_.orderBuffer().address(), instances_.recordBuffer().address(), shared_blases_.table(),
+                  shared_blases_.needs(), count, static_cast<uint32_t>(instances_.records().size())},
                  static_cast<uint32_t>(units_.units().size()));
 }
 
 void WorldRenderer::addFeedback(Graph& graph, uint64_t tick) {
-  graph.add("feedback", Graph::kShared, {{&lipac_, gpu::use::compute_write}},
-            [this, counted = quorum_.complete(tick)](gpu::Commands& commands) { lipac_->feedback(commands, counted); });
+  graph.add("feedback", Graph::kShared,
+            {{&lipac_, gpu::use::compute_write}, {&shared_blases_, gpu::use::compute_write}},
+            [this, counted = quorum_.complete(tick)](gpu::Commands& commands) {
+              lipac_->feedback(commands, counted);
+              shared_blases_.readBack(commands);
+            });
 }
 
 void WorldRenderer::describeCounting(shared::FrameConstants& constants, const View& view) const {
@@ -103,7 +108,9 @@ void WorldRenderer::describeCounting(shared::FrameConstants& constants, const Vi
   if (!view.counts_hits) return;
   const ViewSettings& settings = view.settings();
   const uint64_t paths = uint64_t{settings.width} * settings.height * settings.samples;
-  constants.hit_stride = static_cast<uint32_t>((paths + shared::kReferencePaths - 1) / shared::kReferencePaths);
+  const uint64_t most = lipac_->settings().counted_paths;
+  constants.hit_stride = static_cast<uint32_t>((paths + most - 1) / most);
+  constants.hit_turn = lipac_->ticks() % constants.hit_stride;
   const uint64_t all = uint64_t{shared::kHitUnit} * shared::kReferencePaths * constants.hit_stride;
   constants.hit_weight = static_cast<uint32_t>((all + paths / 2) / paths);
 }

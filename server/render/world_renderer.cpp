@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "effects/ggx_albedo.h"
 #include "render/camera_frame.h"
@@ -65,6 +64,8 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
       clips_(uploadClips(*device_, commands_, *scene_)),
       units_(*device_, *scene_, clips_, resources_.deforming()),
+      blas_batch_(*device_),
+      shared_blases_(*device_, resources_.meshRecords(), resources_.shapes()),
       own_blases_(*device_),
       detail_(*scene_),
       draw_table_(*device_, scene_->meshes.size()),
@@ -146,23 +147,21 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
   detail_.begin(viewers);
   detail_.place(instances_, changes);
   detail_.plan(instances_, units_);
-  const bool reference = std::any_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
-  own_blases_.plan(beginCulling(requests, viewers), units_, instances_, changes.tick, moved, reference);
-  if (guided_) lipac_->serve(own_blases_, units_);
-  const bool changed = edited || moved || own_blases_.hasWork() || instances_.orderDirty();
-  // What culls follows the cameras, or the light.
-  reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr || lipac_;
-  const bool scene_changed = changed || changes.environment_changed;
   environment_ = changes.environment;
   effects_ = registry_.present(environment_);
 
   try {
-    return render(changes, requests, scene_changed);
+    planStructures(changes, requests, viewers, moved);
+    const bool changed = edited || moved || !blas_batch_.empty() || instances_.orderDirty() || shared_blases_.dirty();
+    // What culls follows the cameras, or the light.
+    reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr || lipac_;
+    return render(changes, requests, changed || changes.environment_changed);
   } catch (const gpu::Failure&) {
     // What was recorded never ran: the next tick brings all of it again.
     instances_.forget();
     ggx_albedo_ = {};
     units_.forget();
+    shared_blases_.forget();
     own_blases_.forget();
     draw_table_.invalidate();
     if (lipac_) lipac_->forget();
@@ -205,38 +204,20 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   return frames;
 }
 
-std::vector<accel::WantedUnit> WorldRenderer::wantedUnits(std::span<const accel::Viewpoint> viewers) const {
-  std::vector<std::pair<float, uint32_t>> ranked;
-  const std::vector<accel::Unit>& units = units_.units();
-  for (uint32_t unit = 0; unit < units.size(); ++unit) {
-    if (units[unit].slot == scene::kNone || !units_.deforms(unit)) continue;
-    const accel::PlacedInstance& placed = instances_.instances()[units[unit].slot];
-    if (!strategy_->wants(placed.centre, placed.radius)) continue;
-    float nearest = std::numeric_limits<float>::max();
-    for (const accel::Viewpoint& viewer : viewers)
-      nearest = std::min(nearest, glm::distance(viewer.volume.position, placed.centre));
-    ranked.emplace_back(nearest, unit);
-  }
-  std::sort(ranked.begin(), ranked.end());
-  std::vector<accel::WantedUnit> wanted;
-  wanted.reserve(ranked.size());
-  for (const auto& [distance, unit] : ranked)
-    wanted.push_back({unit, detail_.levelFor(instances_, units[unit].slot, own_blases_.level(unit))});
-  return wanted;
-}
-
 void WorldRenderer::addWorldPasses(Graph& graph) {
   if (!reassemble_ && tlas_.address() != 0) return;
   reassemble_ = false;
   graph.add("instances", Graph::kShared,
             {{&instances_, gpu::use::transfer_write},
              {&units_, gpu::use::transfer_write},
+             {&shared_blases_, gpu::use::transfer_write},
              {&own_blases_, gpu::use::transfer_write},
              {&lipac_, gpu::use::transfer_write},
              {&tlas_, gpu::use::transfer_write}},
             [this](gpu::Commands& commands) {
               if (instances_.orderDirty() || !instances_.recordBuffer()) instances_.upload(commands);
               if (units_.dirty()) units_.upload(commands, instances_);
+              shared_blases_.upload(commands);
               own_blases_.upload(commands);
               if (guided_) uploadCulling(commands);
               else tlas_.reserve(commands, instances_, *strategy_);
@@ -248,42 +229,53 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
   if (units_.dirty())
     graph.add("pose", Graph::kShared, {{&units_, gpu::use::compute_write}, {&instances_, gpu::use::compute_write}},
               [this](gpu::Commands& commands) { units_.record(commands, instances_); });
-  if (own_blases_.hasWork()) {
+  if (own_blases_.hasWork())
     graph.add("deform", Graph::kShared,
               // Who reads the instances reads the poses and vertices that belong to them.
               {{&units_, gpu::use::compute_read},
                {&instances_, gpu::use::compute_write},
                {&own_blases_, gpu::use::compute_write}},
               [this](gpu::Commands& commands) { own_blases_.deform(commands, instances_); });
+  if (!blas_batch_.empty() || shared_blases_.hasWork())
     graph.add(
-        "blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&own_blases_, gpu::use::build_write}},
-        [this](gpu::Commands& commands) { own_blases_.build(commands); }, gpu::Queue::async);
-  }
+        "blas", Graph::kShared, {{&own_blases_, gpu::use::build_read}, {&blas_batch_, gpu::use::build_write}},
+        [this](gpu::Commands& commands) {
+          blas_batch_.record(commands);
+          shared_blases_.record(commands);
+        },
+        gpu::Queue::async);
   graph.add(
       "assemble", Graph::kShared,
       {{&instances_, gpu::use::compute_read},
        {&units_, gpu::use::compute_read},
+       {&shared_blases_, gpu::use::compute_write},
        {&lipac_, gpu::use::compute_write},
        {&tlas_, gpu::use::compute_write}},
       [this](gpu::Commands& commands) {
         if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
-        else tlas_.assemble(commands, instances_, resources_.meshes());
+        else tlas_.assemble(commands, instances_, shared_blases_);
       },
       gpu::Queue::async);
   graph.add(
       "tlas", Graph::kShared,
-      {{&own_blases_, gpu::use::build_read},
+      {{&blas_batch_, gpu::use::build_read},
+       {&shared_blases_, gpu::use::transfer_read},
        {&tlas_, gpu::use::transfer_read},
        {&tlas_, gpu::use::build_read},
        {&tlas_, gpu::use::build_write}},
-      [this](gpu::Commands& commands) { tlas_.build(commands); }, gpu::Queue::async);
+      [this](gpu::Commands& commands) {
+        tlas_.build(commands);
+        if (!guided_) shared_blases_.readBack(commands);
+      },
+      gpu::Queue::async);
 }
 
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
   const ViewPass pass{
-      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr};
+      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr,
+      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 
@@ -373,6 +365,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.tlas = tlas_.address();
   c.instances = instances_.recordBuffer().address();
   c.meshes = resources_.meshes();
+  c.traced_meshes = shared_blases_.table();
   c.geometries = resources_.geometries();
   c.materials = resources_.materials();
   c.emitter_triangles = resources_.emitterTriangles();
@@ -487,9 +480,10 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
       device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
       device_->memoryInUse(gpu::MemoryCategory::path_tracing),
       device_->memoryInUse(gpu::MemoryCategory::transfer),
-      tlas_.scratchBytes() + own_blases_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
+      tlas_.scratchBytes() + blas_batch_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
           view.shadow_draws.bytes(),
-      instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + detail_.cpuBytes() + draw_table_.cpuBytes()};
+      instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + blas_batch_.cpuBytes() + detail_.cpuBytes() +
+          draw_table_.cpuBytes()};
   stats.history_bytes = view.histories.bytes();
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));
@@ -513,34 +507,6 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
       for (uint64_t c = 0; c < 3; ++c) frame.radiance[3 * i + c] = texel[4 * i + c];
   }
   return frame;
-}
-
-AccelerationUse WorldRenderer::accelerationUse(const View& view) const {
-  const accel::OwnBlasFigures& own = own_blases_.figures();
-  AccelerationUse use;
-  use.own_blases = own.in_tlas;
-  use.own_blases_waiting = own.waiting;
-  use.blases_built = own.built;
-  use.blases_refitted = own.refitted;
-  use.blas_triangles = own.triangles;
-  use.levels_switched = detail_.switched();
-  const CameraFrame frame = cameraFrame(view.camera());
-  const float aspect = static_cast<float>(view.settings().width) / static_cast<float>(view.settings().height);
-  const shared::CullVolume frustum =
-      accel::frustumOf(view.camera().position, frame.right, frame.up, frame.forward, frame.tangent, aspect);
-  for (uint32_t unit = 0; unit < units_.units().size(); ++unit) {
-    if (!own_blases_.inTlas(unit)) continue;
-    const accel::PlacedInstance& placed = instances_.instances()[units_.units()[unit].slot];
-    use.own_blases_in_view += accel::inFrustum(frustum, placed.centre, placed.radius);
-  }
-  use.shared_blas_bytes = resources_.blasBytes();
-  use.compaction_saved_bytes = resources_.compactionSaved();
-  use.own_blas_bytes = own_blases_.structureBytes();
-  use.own_vertex_bytes = own_blases_.vertexBytes();
-  use.tlas_bytes = tlas_.bytes();
-  use.culling_bytes = lipac_ ? lipac_->bytes() : 0;
-  use.scratch_bytes = tlas_.scratchBytes() + own_blases_.scratchBytes();
-  return use;
 }
 
 std::vector<EffectCost> WorldRenderer::effectCosts(const std::vector<PassTime>& passes) const {

@@ -10,6 +10,7 @@
 #include "accel/instance_table.h"
 #include "accel/lipac.h"
 #include "accel/own_blases.h"
+#include "accel/shared_blases.h"
 #include "accel/strategy.h"
 #include "accel/tlas_assembly.h"
 #include "accel/units.h"
@@ -39,7 +40,7 @@ class WorldRenderer {
   /// Renderer::culledInstances().
   Result<std::vector<CulledInstance>> culledInstances();
   /// Builds BLASes of instances' own one by one. Before the first tick.
-  void setOneCallABlas(bool one_by_one) { own_blases_.setOneCall(!one_by_one); }
+  void setOneCallABlas(bool one_by_one) { blas_batch_.setOneCall(!one_by_one); }
   /// Acceleration structures are built beside what is rasterised. Before the first tick; at first, where the device has
   /// a queue for it.
   void setBuildsAside(bool aside) { builds_aside_ = aside; }
@@ -53,10 +54,15 @@ class WorldRenderer {
   void warmUp();
   std::vector<Frame> render(const world::ChangeSet& changes, std::span<const ViewRequest> requests, bool scene_changed);
   void addWorldPasses(Graph& graph);
-  /// Which units need a BLAS in this tick, the nearest to a viewer first.
-  std::vector<accel::WantedUnit> wantedUnits(std::span<const accel::Viewpoint> viewers) const;
   /// Rasterised primary hits and the sun's shadow map, as far as the view asks for them.
   void addRasterPasses(const ViewPass& pass, const glm::vec2& jitter);
+  // Acceleration structures (world_structures.cpp).
+  void planStructures(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
+                      std::span<const accel::Viewpoint> viewers, bool moved);
+  void wantForSights();
+  void wantForNewcomers(const world::ChangeSet& changes);
+  /// Which units need a BLAS in this tick, the nearest to a viewer first.
+  std::vector<accel::WantedUnit> wantedUnits(std::span<const accel::Viewpoint> viewers) const;
   AccelerationUse accelerationUse(const View& view) const;
   // Light path guided culling (world_culling.cpp).
   /// Decides whether it guides this tick; the units that need a BLAS then, the most important first.
@@ -84,6 +90,9 @@ class WorldRenderer {
   accel::InstanceTable instances_;
   accel::ClipTable clips_;
   accel::Units units_;
+  accel::BuildBudget build_budget_;
+  accel::BlasBatch blas_batch_;
+  accel::SharedBlases shared_blases_;
   accel::OwnBlases own_blases_;
   accel::Detail detail_;
   DrawTable draw_table_;

@@ -4,7 +4,8 @@
 // lavapipe. A group takes a block of the order that the CPU could not rule out; entries of what stays out are null
 // references.
 #define HELIO_OWN_PUSH
-#include "lib/deform.glsl"
+#include "lib/bounds.glsl"
+#include "lib/traced_instance.glsl"
 #include "shared/assemble.h"
 
 layout(local_size_x = kOrderBlock) in;
@@ -14,30 +15,26 @@ layout(buffer_reference, scalar) readonly buffer VolumeTable { CullVolume items[
 layout(buffer_reference, scalar) readonly buffer SphereTable { vec4 items[]; };
 layout(buffer_reference, scalar) writeonly buffer TlasTable { TlasInstance items[]; };
 layout(buffer_reference, scalar) buffer CounterRef { uint entered; };
+const float kSmallest = 1e-6;  // metres
+
 layout(push_constant, scalar) uniform Assemble { AssembleConstants assemble; };
 
-const uint kFlagDisableCulling = 1u;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
-
-// Whether the instance's bounding sphere touches a volume.
-bool wanted(InstanceRecord instance) {
-  if (assemble.volumes == 0ul) return true;
+// How large the instance's bounding sphere is as seen from a volume that it touches; 0: it touches none.
+float wanted(InstanceRecord instance) {
+  if (assemble.volumes == 0ul) return 1.0;
   const vec4 sphere = SphereTable(assemble.spheres).items[instance.mesh];
-  const vec4 h = vec4(sphere.xyz, 1.0);
-  const vec3 centre = vec3(dot(instance.rows[0], h), dot(instance.rows[1], h), dot(instance.rows[2], h));
-  // The largest stretch of the transform is no more than this [Gershgorin]; exact where its axes are perpendicular.
-  const mat3 rows = mat3(instance.rows[0].xyz, instance.rows[1].xyz, instance.rows[2].xyz);
-  const mat3 gram = rows * transpose(rows);
-  const float stretch = sqrt(max(max(dot(abs(gram[0]), vec3(1.0)), dot(abs(gram[1]), vec3(1.0))), dot(abs(gram[2]), vec3(1.0))));
-  const float radius = sphere.w * stretch;
+  const vec3 centre = placed(instance, sphere.xyz);
+  const float radius = sphere.w * largestStretch(instance);
+  float largest = 0.0;
   for (uint v = 0u; v < assemble.volume_count; ++v) {
     const CullVolume volume = VolumeTable(assemble.volumes).items[v];
     const vec3 relative = centre - volume.position;
-    if (length(relative) < volume.radius + radius) return true;
+    const float distance = length(relative);
     bool inside = true;
     for (int i = 0; i < 4; ++i) inside = inside && dot(volume.sides[i], relative) > -radius;
-    if (inside) return true;
+    if (inside || distance < volume.radius + radius) largest = max(largest, max(radius, kSmallest) / max(distance, radius + kSmallest));
   }
-  return false;
+  return largest;
 }
 
 void main() {
@@ -54,14 +51,13 @@ void main() {
     if (entry < assemble.count) {
       const uint slot = OrderTable(assemble.order).items[entry];
       const InstanceRecord instance = InstanceTable(assemble.instances).items[slot];
-      // What was scaled to nothing has no rows: rays cannot meet it.
-      const bool there = instance.mesh != kNoMesh && (instance.rows[0].xyz != vec3(0.0) || instance.rows[1].xyz != vec3(0.0) || instance.rows[2].xyz != vec3(0.0));
-      if (there) {
-        MeshRecord mesh = MeshTable(assemble.meshes).items[instance.mesh];
-        if (instance.deform == 0ul && instance.level > 0u) mesh = MeshTable(assemble.meshes).items[mesh.coarser + instance.level - 1u];
-        const uint64_t blas = instance.deform != 0ul ? DeformRef(instance.deform).record.blas : mesh.blas;
+      if (isThere(instance)) {
         // What has a BLAS of its own was decided on the CPU.
-        if (blas != 0ul && (instance.deform != 0ul || wanted(instance))) {
+        const bool shares = sharesBlas(instance);
+        const float importance = shares ? wanted(instance) : 1.0;
+        const uint64_t blas = blasOf(MeshTable(assemble.meshes), instance);
+        if (shares && importance > 0.0) need(assemble.needs, recordOf(MeshTable(assemble.meshes), instance), floatBitsToUint(importance));
+        if (importance > 0.0 && blas != 0ul) {
           result.rows = instance.rows;
           result.custom_index_and_mask = slot | kMaskSolid << 24;
           result.hit_group_and_flags = kFlagDisableCulling << 24;

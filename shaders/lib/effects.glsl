@@ -28,6 +28,8 @@ layout(constant_id = 43) const bool kManyLamps = false;
 // 44: kSunShadow (lib/shadow_map.glsl).
 // Rays count whom they meet (shared/lipac.h).
 layout(constant_id = 45) const bool kCountHits = false;
+// Boxes are any-hit geometry (accel::BoxHits).
+layout(constant_id = 49) const bool kAnyHitBoxes = false;
 // Light by the first vertex's diffuse and specular lobes is kept apart, without albedos (shared/history.h).
 layout(constant_id = 46) const bool kSplit = false;
 

@@ -17,6 +17,16 @@ struct Hit {
   uint level;       // of detail, of the mesh; kLevelInBlas: the one that the instance has in its BLAS
 };
 
+// Of a ray whose boxes any-hit shaders take down: the nearest cell and the nearest omitted instance before the hit.
+struct CountedHit {
+  Hit hit;
+  uint leaves;  // the instance that the ray starts on: its bounds do not count
+  uint cell;    // kNothing: none
+  float cell_distance;
+  uint omitted;
+  float omitted_distance;
+};
+
 // What the visibility image holds of a hit.
 uvec2 packHit(Hit hit) {
   if (hit.primitive == kNothing) return uvec2(0u, kNothing);

@@ -2,7 +2,7 @@
 #ifndef HELIO_LIPAC_GLSL
 #define HELIO_LIPAC_GLSL
 #define HELIO_OWN_PUSH
-#include "lib/tables.glsl"
+#include "lib/shared_blas.glsl"
 #include "shared/assemble.h"
 #include "shared/lipac.h"
 
@@ -82,6 +82,9 @@ void countCycle(inout Counter c) {
 }
 
 // ---- Entries of the order ----
+
+// The BLAS that an instance shares is needed; the one that is hit most is the most urgent.
+void needShared(InstanceRecord instance, uint hits) { need(lipac.needs, recordOf(MeshTable(lipac.meshes), instance), hits + 1u); }
 
 uint cellOf(uint entry) { return entry & kNoCell; }
 uint rankOf(uint entry) { return entry >> kRankShift & kRankMost; }

@@ -2,8 +2,7 @@
 #ifndef HELIO_LIPAC_INSTANCE_GLSL
 #define HELIO_LIPAC_INSTANCE_GLSL
 #include "lib/lipac.glsl"
-
-#include "lib/deform.glsl"
+#include "lib/traced_instance.glsl"
 
 const float kThinnest = 0.005;  // metres: half of the least that a box is thick
 
@@ -14,17 +13,7 @@ struct Placed {
   uint cell;
 };
 
-// What was scaled to nothing has no rows: rays cannot meet it.
-bool isThere(InstanceRecord instance) {
-  return instance.mesh != kNoMesh && (instance.rows[0].xyz != vec3(0.0) || instance.rows[1].xyz != vec3(0.0) || instance.rows[2].xyz != vec3(0.0));
-}
-
-// 0: none.
-uint64_t blasOf(InstanceRecord instance) {
-  if (instance.deform != 0ul) return DeformRef(instance.deform).record.blas;
-  const MeshRecord finest = MeshTable(lipac.meshes).items[instance.mesh];
-  return instance.level == 0u ? finest.blas : MeshTable(lipac.meshes).items[finest.coarser + instance.level - 1u].blas;
-}
+uint64_t blasOf(InstanceRecord instance) { return blasOf(MeshTable(lipac.meshes), instance); }
 
 Placed placedOf(InstanceRecord instance) {
   const MeshBounds bounds = BoundsTable(lipac.bounds).items[instance.mesh];

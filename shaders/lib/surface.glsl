@@ -57,18 +57,22 @@ vec3 normalToWorld(InstanceRecord instance, vec3 n) {
 
 // The mesh of an instance at one of its levels of detail.
 MeshRecord meshLevel(InstanceRecord instance, uint level) {
-  const MeshRecord finest = MeshTable(frame.meshes).items[instance.mesh];
-  if (level == kLevelInBlas) level = instance.level;
+  const bool in_blas = level == kLevelInBlas;
+  MeshTable meshes = MeshTable(in_blas ? frame.traced_meshes : frame.meshes);
+  if (in_blas) level = instance.level;
+  const MeshRecord finest = meshes.items[instance.mesh];
   if (level == 0u) return finest;
-  return MeshTable(frame.meshes).items[finest.coarser + level - 1u];
+  return meshes.items[finest.coarser + level - 1u];
 }
 
 // How far apart, at most, are the surface that was rasterised and the one that rays from there meet; metres.
 float levelGap(InstanceRecord instance, MeshRecord rasterised, uint level) {
-  if (level == kLevelInBlas || level == instance.level) return 0.0;
+  if (level == kLevelInBlas) return 0.0;
+  const MeshRecord traced = meshLevel(instance, kLevelInBlas);
+  if (traced.first_geometry == rasterised.first_geometry) return 0.0;
   const vec3 scale = vec3(dot(instance.rows[0].xyz, instance.rows[0].xyz), dot(instance.rows[1].xyz, instance.rows[1].xyz),
                           dot(instance.rows[2].xyz, instance.rows[2].xyz));
-  return sqrt(maxComponent(scale)) * (rasterised.error + meshLevel(instance, kLevelInBlas).error);
+  return sqrt(maxComponent(scale)) * (rasterised.error + traced.error);
 }
 
 float reachOf(Triangle t) { return maxComponent(max(abs(t.p[0]), max(abs(t.p[1]), abs(t.p[2])))); }

@@ -35,16 +35,20 @@ layout(buffer_reference, scalar) buffer HitboxHits { Hitbox items[]; };
 
 bool counts_ = false;  // this path does
 
+layout(location = 2) rayPayloadEXT CountedHit counted_payload;
+
 void countInstance(uint slot, bool marked) {
   InstanceHits counters = InstanceHits(frame.instance_hits);
   atomicAdd(counters.items[slot], frame.hit_weight);
   if (marked) atomicOr(counters.items[slot], kHitMarked);
 }
+void countCell(uint cell) {
+  HitboxHits counters = HitboxHits(frame.hitboxes);
+  atomicAdd(counters.items[cell].hits, frame.hit_weight);
+}
 
-// As the functions above, but for what is counted: whoever is met, and on the way there one cell and one omitted instance at
-// most. `leaves`: the instance that the ray starts on; its bounds are not counted, or it would become active, get no hits and
-// be omitted again. `marked`: this path was scattered by mirrors alone.
-Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+// Boxes end the ray, which goes on from there.
+Hit traceThroughBoxes(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
   const bool ends_at_any = (flags & gl_RayFlagsTerminateOnFirstHitEXT) != 0u;
   uint mask = counts_ ? kMaskAll | kMaskCell | kMaskOmitted : kMaskAll;
   float nearest = 0.0;
@@ -53,16 +57,11 @@ Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint l
     hit_payload.primitive = kNothing;
     traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque | flags, mask, 0, 0, kMissSurface, origin, nearest, direction, distance, 0);
     const Hit hit = hit_payload;
-    if (hit.primitive == kNothing) return hit;
-    if (hit.geometry < kMetOmitted) {
-      if (counts_) countInstance(hit.slot, marked);
-      return hit;
-    }
+    if (hit.primitive == kNothing || hit.geometry < kMetOmitted) return hit;
     // Nothing lies before the nearest hit. A shadow ray ends at any hit, so what is before this one it does not know.
     if (!ends_at_any) nearest = hit.barycentrics.x;
     if (hit.geometry == kMetCell) {
-      HitboxHits counters = HitboxHits(frame.hitboxes);
-      atomicAdd(counters.items[hit.slot].hits, frame.hit_weight);
+      countCell(hit.slot);
       mask &= ~kMaskCell;
     } else if (hit.slot == leaves && sides > 0u) {
       nearest = uintBitsToFloat(floatBitsToUint(nearest) + 1u);
@@ -72,6 +71,27 @@ Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint l
       mask &= ~kMaskOmitted;
     }
   }
+}
+
+// Any-hit shaders take down the nearest boxes on the way.
+Hit traceNotingBoxes(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+  counted_payload = CountedHit(Hit(0u, 0u, kNothing, vec2(0.0), 0u), leaves, kNothing, kFar, kNothing, kFar);
+  const uint mask = counts_ ? kMaskAll | kMaskCell | kMaskOmitted : kMaskAll;
+  traceRayEXT(accelerationStructureEXT(frame.tlas), counts_ ? flags : kOpaque | flags, mask, 0, 0, kMissSurface, origin, 0.0, direction,
+              distance, 2);
+  if (counted_payload.cell != kNothing) countCell(counted_payload.cell);
+  if (counted_payload.omitted != kNothing) countInstance(counted_payload.omitted, marked);
+  return counted_payload.hit;
+}
+
+// As the functions above, but for what is counted: whoever is met, and on the way there one cell and one omitted instance at
+// most. `leaves`: the instance that the ray starts on; its bounds are not counted, or it would become active, get no hits and
+// be omitted again. `marked`: this path was scattered by mirrors alone.
+Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+  const Hit hit = kAnyHitBoxes ? traceNotingBoxes(origin, direction, distance, flags, leaves, marked)
+                               : traceThroughBoxes(origin, direction, distance, flags, leaves, marked);
+  if (counts_ && hit.primitive != kNothing) countInstance(hit.slot, marked);
+  return hit;
 }
 
 #endif

@@ -31,24 +31,29 @@ void main() {
     uint entry = kNoCell;
     if (isThere(instance)) {
       const Placed placed = placedOf(instance);
-      const bool has_blas = blasOf(instance) != 0ul;
+      const bool has_blas = blasOf(instance) != 0ul, shares = sharesBlas(instance);
       const uint word = WordTable(lipac.words).items[slot];
       uint state = word & 3u, kind = kKindNone;
-      // What is always active waits for its BLAS, and what lost its BLAS asks for it again.
+      // What is always active waits for its BLAS, and so does what shares one; what lost its BLAS asks for it again.
       const uint before = state;
-      if (placed.cell == kNoCell) state = has_blas ? kStateActive : kStateRequested;
+      if (placed.cell == kNoCell || (shares && state == kStateRequested)) state = has_blas ? kStateActive : kStateRequested;
       else if (state == kStateActive && !has_blas) state = kStateRequested;
       // Its hitbox was opened since the last feedback, or it was built in an active one.
       else if (state == kStateInactive && lipac.mitigation != 0u && isOpen(placed.cell))
-        state = instance.deform != 0ul ? kStateOmitted : has_blas ? kStateActive : kStateRequested;
-      if (state != before) WordTable(lipac.words).items[slot] = word & ~3u | state;
+        state = !shares ? kStateOmitted : has_blas ? kStateActive : kStateRequested;
+      if (shares && state >= kStateRequested) needShared(instance, word >> kSmoothedShift);
+      if (state != before) {
+        WordTable(lipac.words).items[slot] = word & ~3u | state;
+        StatusRef result = StatusRef(lipac.status);
+        atomicAdd(result.status.changes, 1u);
+      }
 
       if (state == kStateActive) kind = kKindInstance;
       else if (state != kStateInactive) kind = kKindBox;
       else coverBy(placed);
       const uint rank = placed.cell == kNoCell ? kRankMost : uint(findMSB(word >> kSmoothedShift) + 1);
       entry = placed.cell | rank << kRankShift | kind << kKindShift | kThereBit | (has_blas ? kHasBlasBit : 0u) |
-              (instance.deform != 0ul ? kOwnBlasBit : 0u);
+              (shares ? 0u : kOwnBlasBit);
       if (kind != kKindNone) atomicAdd(ranks[rank], 1u);
     }
     WordTable(lipac.entries).items[index] = entry;

@@ -30,7 +30,7 @@ bool decide(inout Counter c, uint entry, uint hits, bool dropped) {
   if (c.state == kStateInactive) {
     enter(c, own ? kStateOmitted : has_blas ? kStateActive : kStateRequested);
   } else if (!own) {
-    if (c.state == kStateRequested && has_blas) enter(c, kStateActive);
+    return false;  // active with its hitbox, or as soon as the BLAS that it shares is there
   } else if (c.state == kStateOmitted) {
     if (hitOften(c, hits, lipac.own_activate, lipac.own_above)) enter(c, kStateRequested);
   } else if (hitSeldom(c, lipac.own_deactivate, lipac.own_below)) {
@@ -54,7 +54,7 @@ void main() {
     const uint slot = slotAt(index);
     WordTable words = WordTable(lipac.words), hit_table = WordTable(lipac.hits);
     const uint word = words.items[slot], counted = hit_table.items[slot];
-    const bool dropped = counted == kHitDropped;
+    const bool dropped = counted == kHitDropped, own = (entry & kOwnBlasBit) != 0u;
     const uint hits = dropped ? 0u : counted & ~kHitMarked;
 
     Counter c = unpackCounter(word);
@@ -62,7 +62,13 @@ void main() {
     smoothHits(c, hits, slot);
     c.marked = !dropped && (counted & kHitMarked) != 0u;
     if (decide(c, entry, hits, dropped)) command(slot | kCommandRemove, 0u);
-    if (c.state == kStateRequested) command(slot, max(hits, c.smoothed) * (c.marked ? kMarkedWeight : 1u));
+    const uint urgency = max(hits, c.smoothed) * (c.marked ? kMarkedWeight : 1u);
+    if (c.state == kStateRequested && own) command(slot, urgency);
+    // The BLAS that it shares is to be there in the next tick.
+    if (c.state != before && c.state >= kStateRequested && !own) {
+      const InstanceRecord instance = InstanceTable(lipac.instances).items[slot];
+      needShared(instance, urgency);
+    }
 
     const uint after = packCounter(c);
     if (after != word) words.items[slot] = after;

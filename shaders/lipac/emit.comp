@@ -12,8 +12,6 @@ shared uint sure[kBitWords], perhaps[kBitWords];
 HELIO_GROUP_RANK(sure)
 HELIO_GROUP_RANK(perhaps)
 
-const uint kFlagDisableCulling = 1u;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
-
 // The unit cube, as the mesh's bounds, as the instance stands.
 void rowsOfBounds(InstanceRecord instance, out vec4 rows[3]) {
   const MeshBounds bounds = BoundsTable(lipac.bounds).items[instance.mesh];
@@ -53,7 +51,7 @@ void main() {
   } else {
     rowsOfBounds(instance, result.rows);
     result.custom_index_and_mask = slot | kMaskOmitted << 24;
-    result.hit_group_and_flags = kHitGroupOmitted | kFlagDisableCulling << 24;
+    result.hit_group_and_flags = kHitGroupOmitted | lipac.box_flags << 24;
     result.blas = lipac.cube;
   }
   TlasTable(lipac.output_).items[place.x + min(place.y, room)] = result;

@@ -10,8 +10,6 @@ layout(buffer_reference, scalar) writeonly buffer TlasTable { TlasInstance items
 shared uint wanted[kBitWords];
 HELIO_GROUP_RANK(wanted)
 
-const uint kFlagDisableCulling = 1u;  // VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR
-
 void main() {
   const uint index = gl_GlobalInvocationID.x;
   TlasTable output_ = TlasTable(lipac.output_);
@@ -32,7 +30,7 @@ void main() {
     const vec2 corner = cellCorner(index) - reach;
     result.rows = vec4[3](vec4(side, 0, 0, corner.x), vec4(0, height, 0, lowest), vec4(0, 0, side, corner.y));
     result.custom_index_and_mask = index | kMaskCell << 24;
-    result.hit_group_and_flags = kHitGroupCell | kFlagDisableCulling << 24;
+    result.hit_group_and_flags = kHitGroupCell | lipac.box_flags << 24;
     result.blas = lipac.cube;
     if (place < lipac.capacity) output_.items[place] = result;
   }

@@ -5,10 +5,10 @@
 
 layout(local_size_x = kLipacGroup) in;
 
-shared uint active_boxes, cycles;
+shared uint active_boxes, box_hits, cycles;
 
 void main() {
-  if (gl_LocalInvocationIndex == 0u) active_boxes = cycles = 0u;
+  if (gl_LocalInvocationIndex == 0u) active_boxes = box_hits = cycles = 0u;
   barrier();
   const uint cell = gl_GlobalInvocationID.x;
   HitboxTable cells = HitboxTable(lipac.cells);
@@ -17,6 +17,7 @@ void main() {
     const uint hits = cells.items[cell].hits;
     smoothHits(c, hits, cell);
     if (c.state == kStateInactive) {
+      if (hits > 0u) atomicAdd(box_hits, hits);
       if (hitOften(c, hits, lipac.box_activate, lipac.box_above)) enter(c, kStateActive);
     } else if (hitSeldom(c, lipac.box_deactivate, lipac.box_below)) {
       if (isCycle(c)) {
@@ -30,9 +31,10 @@ void main() {
     if (c.state == kStateActive) atomicAdd(active_boxes, 1u);
   }
   barrier();
-  if (gl_LocalInvocationIndex == 0u && active_boxes + cycles > 0u) {
+  if (gl_LocalInvocationIndex == 0u && active_boxes + box_hits + cycles > 0u) {
     StatusRef result = StatusRef(lipac.status);
     atomicAdd(result.status.active_hitboxes, active_boxes);
+    atomicAdd(result.status.box_hits, box_hits);
     atomicAdd(result.status.cycles, cycles);
   }
 }

@@ -26,7 +26,8 @@ struct CullVolume {
 struct AssembleConstants {
   uint64_t order;  // uint: slots in Morton order
   uint64_t instances;
-  uint64_t meshes;
+  uint64_t meshes;   // MeshRecord, of what rays meet
+  uint64_t needs;    // uint, as the mesh table: how much its BLAS is needed; 0: nobody asks
   uint64_t output_;  // TlasInstance
   uint64_t blocks;   // uint: blocks of `order` that are looked at; 0: all
   uint64_t volumes;  // CullVolume: who touches none stays out; 0: all enter

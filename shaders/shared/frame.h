@@ -24,6 +24,7 @@ struct FrameConstants {
   uint64_t tlas;
   uint64_t instances;
   uint64_t meshes;
+  uint64_t traced_meshes;  // MeshRecord: of what rays meet in each one's place
   uint64_t geometries;
   uint64_t materials;
   uint64_t emitter_instances;
@@ -77,7 +78,8 @@ struct FrameConstants {
   uint64_t hitboxes;       // Hitbox, by cell
   uint64_t culling;        // LipacTick; 0: another strategy
   uint hit_weight;         // of a hit, in 1/8; 0: this view does not count in this tick
-  uint hit_stride;         // of pixels whose paths count
+  uint hit_stride;         // of the tiles whose paths count
+  uint hit_turn;           // whose turn it is among `hit_stride`
   uint64_t history;        // HistoryConstants (shared/history.h); 0: this view does not look back
 };
 

@@ -34,6 +34,9 @@ HELIO_CONSTANT kHitUnit = 8u;
 HELIO_CONSTANT kHitMarked = 0x80000000u;    // it was met on a path of mirrors alone
 HELIO_CONSTANT kHitDropped = 0xffffffffu;   // it found no room in this tick's TLAS
 HELIO_CONSTANT kReferencePaths = 2073600u;  // 1920 x 1080: what the thresholds refer to
+// Pixels whose paths count together: neighbours on a GPU do the same.
+HELIO_CONSTANT kCountTileX = 8u;
+HELIO_CONSTANT kCountTileY = 4u;
 
 // The grid: square cells in the ground plane, Morton-ordered.
 HELIO_CONSTANT kCellMetres = 16u;
@@ -96,16 +99,18 @@ struct LipacStatus {
   uint dropped;        // found no room
   uint states[kStates];
   uint active_hitboxes;
-  uint changes;  // instances whose state changed
-  uint cycles;   // hitboxes and instances of own BLASes that went back
-  uint opened;   // hitboxes that became active because something in them came into sight
+  uint box_hits;  // of hitboxes, in 1/8
+  uint changes;   // instances whose state changed
+  uint cycles;    // hitboxes and instances of own BLASes that went back
+  uint opened;    // hitboxes that became active because something in them came into sight
 };
 
 // Every pass gets the address of one of these.
 struct LipacTick {
   uint64_t order;       // uint: slots
   uint64_t instances;   // InstanceRecord, by slot
-  uint64_t meshes;      // MeshRecord
+  uint64_t meshes;      // MeshRecord, of what rays meet
+  uint64_t needs;       // uint, as the mesh table: how much its BLAS is needed; 0: nobody asks
   uint64_t bounds;      // MeshBounds a mesh
   uint64_t hits;        // uint, by slot
   uint64_t words;       // uint, by slot
@@ -143,6 +148,7 @@ struct LipacTick {
   uint own_below;
   uint smoothing;   // ticks that hits are smoothed over: kSmoothing, fewer after a camera cut
   uint mitigation;  // 1: what comes into an active hitbox is active at once
+  uint box_flags;   // of boxes in the TLAS: VkGeometryInstanceFlagsKHR
   uint literal;     // 1: the paper's rules, without smoothing and damping
 };
 

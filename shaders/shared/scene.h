@@ -62,8 +62,10 @@ struct GeometryRecord {
                         // emissive
 };
 
+// There are two tables of these, alike but for levels of detail whose BLASes are not there: the mesh table, and that of
+// what rays meet, which has another level in their places.
 struct MeshRecord {
-  uint64_t blas;  // device address
+  uint64_t blas;  // device address, in the table of what rays meet; 0: nothing of the mesh is there
   uint first_geometry;
   uint geometry_count;
   uint first_emitter;  // in the table of emissive triangles

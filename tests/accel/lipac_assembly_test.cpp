@@ -57,7 +57,7 @@ class LipacAssembly : public LipacFixture {
       const bool large = slot % 97 == 0;
       const uint32_t state = words[slot] & 3u, smoothed = words[slot] >> kSmoothedShift;
       const uint32_t rank = large ? 31 : smoothed == 0 ? 0 : static_cast<uint32_t>(std::log2(smoothed)) + 1;
-      if (large || state != kStateInactive) candidates.push_back({slot, rank, !large && state != kStateActive});
+      if (large || state != kStateInactive) candidates.push_back({slot, rank, !large && state == kStateOmitted});
       else
         boxes[morton(
             static_cast<uint32_t>(std::floor(records[slot].rows[0].w / 16.0f)) - static_cast<uint32_t>(grid.x),
@@ -84,18 +84,19 @@ class LipacAssembly : public LipacFixture {
 
   struct Assembled {
     std::vector<TlasInstance> entries;
-    std::vector<uint32_t> hits, words;
+    std::vector<uint32_t> hits, words, needs;
     LipacGrid grid;
     LipacFigures figures;
     uint64_t cube = 0;
   };
-  Assembled assemble(uint32_t capacity) {
+  Assembled assemble(uint32_t capacity, uint64_t blas = kMeshBlas) {
     Lipac lipac(*device, commands, *cubes(), {});
     const gpu::Buffer order_table = table("order", order), instances = table("instances", records);
-    const gpu::Buffer meshes = table("meshes", std::vector<MeshRecord>{{kMeshBlas, 0, 1, 0, 0}});
+    const gpu::Buffer meshes = table("meshes", std::vector<MeshRecord>{{blas, 0, 1, 0, 0}});
+    const gpu::Buffer needs = table("needs", std::vector<uint32_t>(1));
     const gpu::Buffer output = table("output", std::vector<TlasInstance>(capacity));
     commands.begin();
-    lipac.upload(commands, {order_table.address(), instances.address(), meshes.address(), kCount, kCount}, 0);
+    lipac.upload(commands, {order_table.address(), instances.address(), meshes.address(), needs.address(), kCount, kCount}, 0);
     barrier();
     commands.upload<uint32_t>(lipac.words(), 0, words);
     barrier();
@@ -104,7 +105,7 @@ class LipacAssembly : public LipacFixture {
     lipac.feedback(commands, false);
     submit();
     return {read<TlasInstance>(output, capacity), read<uint32_t>(lipac.hits(), kCount),
-            read<uint32_t>(lipac.words(), kCount), lipac.grid(), lipac.figures()};
+            read<uint32_t>(lipac.words(), kCount), read<uint32_t>(needs, 1), lipac.grid(), lipac.figures()};
   }
 
   std::vector<uint32_t> order, words;
@@ -152,8 +153,8 @@ TEST_F(LipacAssembly, BoxesCoverWhatTheyStandFor) {
   };
   uint32_t checked = 0;
   for (const uint32_t slot : order) {
-    if (records[slot].mesh == kNoMesh || slot % 97 == 0 || (words[slot] & 3u) == kStateActive) continue;
-    const bool omitted = (words[slot] & 3u) != kStateInactive;
+    if (records[slot].mesh == kNoMesh || slot % 97 == 0 || (words[slot] & 3u) >= kStateRequested) continue;
+    const bool omitted = (words[slot] & 3u) == kStateOmitted;
     const auto x = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[0].w / 16.0f)) - result.grid.x);
     const auto z = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[2].w / 16.0f)) - result.grid.z);
     const uint32_t key = omitted ? slot | kMaskOmitted << 24 : morton(x, z) | kMaskCell << 24;
@@ -163,7 +164,25 @@ TEST_F(LipacAssembly, BoxesCoverWhatTheyStandFor) {
     EXPECT_TRUE(covers(*box, records[slot])) << slot;
     ++checked;
   }
-  EXPECT_GT(checked, kCount / 2);
+  EXPECT_GT(checked, kCount * 2 / 5);
+}
+
+TEST_F(LipacAssembly, WhatIsToEnterAsksForTheBlasThatItShares) {
+  uint32_t most = 0;  // hits of those in the TLAS, and of those who wait
+  for (const uint32_t slot : order)
+    if (records[slot].mesh != kNoMesh && (slot % 97 == 0 || (words[slot] & 3u) >= kStateRequested))
+      most = std::max(most, words[slot] >> kSmoothedShift);
+  EXPECT_EQ(assemble(4000).needs.front(), most + 1);
+
+  // Without it they wait, with their bounds in their places.
+  const Assembled without = assemble(4000, 0);
+  EXPECT_EQ(without.needs.front(), most + 1);
+  for (const TlasInstance& entry : without.entries)
+    if (entry.blas != 0) { ASSERT_NE(entry.custom_index_and_mask >> 24, kMaskSolid); }
+  for (const uint32_t slot : order)
+    if (records[slot].mesh != kNoMesh && (slot % 97 == 0 || (words[slot] & 3u) >= kStateRequested)) {
+      ASSERT_EQ(without.words[slot] & 3u, kStateRequested) << slot;
+    }
 }
 
 }  // namespace

@@ -97,13 +97,13 @@ class LipacStates : public LipacFixture {
     uint64_t seen[kStates] = {}, changes = 0, cycles = 0;
 
     for (uint32_t t = 0; t < ticks; ++t) {
-      // Grants, from the model's own words; and what shares a BLAS gets it at some time.
+      // Grants, from the model's own words; and the BLASes that are shared come at some time.
       std::vector<uint32_t> words(kInstances);
       for (uint32_t slot = 0; slot < kInstances; ++slot) {
         Instance& instance = instances[slot];
         if (instance.model.state == kStateRequested && below(3) == 0) {
           instance.has_blas = true;
-          if (instance.own) rules.change(instance.model, kStateActive);
+          rules.change(instance.model, kStateActive);
         }
         if (instance.own && instance.model.state < kStateRequested) instance.has_blas = false;
         if (instance.cell == kNoCell) instance.model.state = instance.has_blas ? kStateActive : kStateRequested;
@@ -133,7 +133,7 @@ class LipacStates : public LipacFixture {
           boxes[cell_ids[c]].hits = cell_levels[c] / 2 + below(cell_levels[c] + 1);
 
       commands.begin();
-      lipac.upload(commands, {order_table.address(), records.address(), 0, kInstances, kInstances}, kInstances);
+      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances}, kInstances);
       barrier();
       lipac.assemble(commands, output.address(), 64);
       barrier();
@@ -186,7 +186,7 @@ class LipacStates : public LipacFixture {
           } else if (m.state == kStateInactive) {
             rules.change(m, instance.own ? kStateOmitted : instance.has_blas ? kStateActive : kStateRequested);
           } else if (!instance.own) {
-            if (m.state == kStateRequested && instance.has_blas) rules.change(m, kStateActive);
+            // It stays as it is until its hitbox leaves or the BLAS that it shares comes.
           } else if (m.state == kStateOmitted) {
             if (rules.often(m, n, settings.own_activate, own_above)) rules.change(m, kStateRequested);
           } else if (rules.seldom(m, settings.own_deactivate, own_below)) {
@@ -199,7 +199,7 @@ class LipacStates : public LipacFixture {
           }
         }
         if (remove) expected[slot | kCommandRemove] = 0;
-        if (m.state == kStateRequested) expected[slot] = std::max(n, m.smoothed) * (m.marked ? 4 : 1);
+        if (m.state == kStateRequested && instance.own) expected[slot] = std::max(n, m.smoothed) * (m.marked ? 4 : 1);
         ++seen[m.state];
         changes += m.state != before;
       }

@@ -19,7 +19,7 @@ constexpr const char* kNotes = R"(What is measured:
   A city in which everything moves, seen by one of its cameras. Every strategy has a world of its own; their ticks
   alternate, so whatever slows the machine down meets all of them alike. full: everything is in the TLAS.
   frustum_radius: what is in the frustum or within 800 m. lipac: what light paths meet; lipac_literal: by the paper's
-  rules to the letter. distance: as many instances as lipac holds then, the nearest. none: nothing but what is too large
+  rules to the letter; lipac_any_hit: boxes are any-hit geometry. distance: as many instances as lipac holds then, the nearest. none: nothing but what is too large
   to be culled; pictures must fail it.
   Then time stands still, and the pictures of all strategies are averaged over the same samples: their errors are
   against full. Indirect light is the picture without what paths of one scattering bring.
@@ -47,7 +47,9 @@ class Contestant {
     result->handle_ = *handle;
     render::CullingSettings settings;
     settings.lipac.literal = strategy == "lipac_literal";
-    const bool guided = strategy == "lipac" || settings.lipac.literal;
+    settings.lipac.counted_paths = options.counted_paths;
+    if (strategy == "lipac_any_hit") settings.lipac.box_hits = accel::BoxHits::any_hit;
+    const bool guided = strategy.starts_with("lipac");
     // distance begins when it is known how many lipac holds.
     const render::Culling culling = guided                         ? render::Culling::lipac
                                     : strategy == "frustum_radius" ? render::Culling::frustum_radius
@@ -292,8 +294,11 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--strategies", options->strategies, "full, then what is compared with it; distance needs lipac")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "none", "distance"}));
+      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "none", "distance"}));
   addSettingOptions(command, options->settings);
+  command.add_option("--counted-paths", options->counted_paths, "of lipac: paths a tick that count, at most")
+      ->capture_default_str()
+      ->check(CLI::Range(1024, 16'777'216).description(""));
   command.add_flag(
       "--builds-aside,!--builds-in-order", options->builds_aside,
       "acceleration structures are built beside what is rasterised, or before it; default: beside it where "

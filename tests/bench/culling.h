@@ -23,6 +23,7 @@ struct CullingOptions {
   std::string pictures;               ///< a folder for each strategy's picture and its error; empty: none
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
   std::optional<bool> builds_aside;   ///< on a queue of their own; default: where the device has one
+  uint32_t counted_paths = accel::LipacSettings{}.counted_paths;
   bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
   std::string device;
   std::string plot;  ///< an SVG file; empty: none

@@ -34,6 +34,9 @@ Json toJson(const CullingRun& run) {
           {"feedback_ms", toJson(run.feedback_ms)},
           {"state_changes", toJson(run.state_changes)},
           {"cycles", run.cycles},
+          {"box_hits", run.states ? run.states->box_hits : 0},
+          {"shared_blases", memory.shared_blases},
+          {"shared_blases_waiting", memory.shared_blases_waiting},
           {"path_trace_ms", toJson(run.path_trace_ms)},
           {"shadow_ms", toJson(run.shadow_ms)},
           {"primary_ms", toJson(run.primary_ms)},
@@ -135,9 +138,11 @@ std::string toMarkdown(const CullingReport& report) {
   state("instances: inactive", &accel::LipacFigures::inactive);
   state("hitboxes in the TLAS", &accel::LipacFigures::boxes);
   row("state changes a tick", [](const CullingRun& r) { return r.states ? count(r.state_changes) : "-"; });
+  row("hits of hitboxes in a tick", [](const CullingRun& r) { return r.states ? grouped(r.states->box_hits) : "-"; });
   row("cycles", [](const CullingRun& r) { return r.states ? grouped(r.cycles) : "-"; });
   row("BLAS triangles a tick", [](const CullingRun& r) { return count(r.blas_triangles); });
   row("triangles of the shadow map", [](const CullingRun& r) { return count(r.shadow_triangles); });
+  row("shared BLASes", [](const CullingRun& r) { return grouped(r.memory.shared_blases); });
   row("memory: shared BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.shared_blas_bytes); });
   row("saved by compacting them, MB", [](const CullingRun& r) { return megabytes(r.memory.compaction_saved_bytes); });
   row("memory: own BLASes, MB", [](const CullingRun& r) { return megabytes(r.memory.own_blas_bytes); });

@@ -37,6 +37,16 @@ double difference(const render::Frame& a, const render::Frame& b) {
   return sum / whole;
 }
 
+/// Mean over pixels of the squared difference over the square of b, as far as that is not black.
+double squaredError(const render::Frame& a, const render::Frame& b) {
+  double sum = 0.0;
+  for (size_t i = 0; i < a.radiance.size(); ++i) {
+    const double truth = b.radiance[i], off = static_cast<double>(a.radiance[i]) - truth;
+    sum += off * off / (truth * truth + 1e-4);
+  }
+  return sum / static_cast<double>(a.radiance.size());
+}
+
 /// Brings a view to the time and the samples of another that ticked so often.
 void keepUp(Stage& stage, const scene::Camera& camera, uint32_t ticks) {
   (void)stage.accumulate(camera, small(16, 16), ticks);
@@ -78,13 +88,16 @@ TEST(Lipac, HoldsWhatLightPathsMeetAndLittleElse) {
   EXPECT_LT(f.active, count * 3 / 4);  // a small town: half of it is in view
   EXPECT_LT(f.entries, count);
   EXPECT_LT(b.stats.acceleration.own_blases, a.stats.acceleration.own_blases / 2);
-  EXPECT_LT(2.0 * difference(b, a), difference(c, a));
+  // A quarter in squares, as the large town is judged.
+  EXPECT_LT(4.0 * squaredError(b, a), squaredError(c, a));
   EXPECT_GT(difference(c, a), 0.01);  // the control fails
 
   // A reference view knows no approximation, and states wait for it.
   EXPECT_EQ(guided.tick(camera, referenceSettings()).stats.tlas_instances, count);
   const render::Frame after = guided.tick(camera, small());
-  EXPECT_NEAR(after.stats.lipac->active, f.active, count / 10);
+  // By one tick's changes, and what was granted before it.
+  EXPECT_LE(std::abs(static_cast<int>(after.stats.lipac->active) - static_cast<int>(f.active)),
+            static_cast<int>(after.stats.lipac->changes + after.stats.lipac->served));
 }
 
 TEST(Lipac, TheSameTicksGiveTheSameBytes) {
@@ -162,9 +175,7 @@ TEST(Lipac, BlasesComeWithinTheBudgetAndGoWithoutATrace) {
     EXPECT_EQ(frame.stats.acceleration.own_blases, 0u);
     EXPECT_EQ(frame.stats.acceleration.own_blas_bytes, 0u);
     EXPECT_EQ(frame.stats.acceleration.own_vertex_bytes, 0u);
-    if (round == 1) {
-      EXPECT_NEAR(static_cast<double>(frame.stats.acceleration.total()), static_cast<double>(rest), 4096.0);
-    }
+    if (round == 1) { EXPECT_EQ(frame.stats.acceleration.total(), rest); }
     rest = frame.stats.acceleration.total();
     EXPECT_GT(stage.accumulate(kAtTheCrowd, small(), 20).stats.acceleration.own_blases, 5u);
   }
@@ -182,6 +193,76 @@ TEST(Lipac, AnInstanceThatIsMovedStaysAndOneThatGoesIsForgotten) {
   const render::Frame after = stage.tick(kAtTheCrowd, small());
   EXPECT_EQ(after.stats.acceleration.own_blases, held - 2);
   EXPECT_EQ(after.stats.lipac->active, held - 2);
+}
+
+TEST(Lipac, BlasesThatAreSharedComeAndGoWithTheLight) {
+  const scene::ScenePtr city = *scene::generateCity({1, 1'000, 0});
+  const scene::Camera camera = cameraOf(*city, "tilted_city");
+  Stage full(city), stage(city);
+  render::CullingSettings settings;
+  settings.shared_blases.age_limit = 20;
+  settings.builds = 4;
+  stage.setCulling(Culling::lipac, settings);
+  const render::AccelerationUse everything = full.tick(camera, small(16, 16)).stats.acceleration;
+  EXPECT_EQ(everything.shared_blases_waiting, 0u);
+
+  // Terrain and the like at once, then what light paths meet, a few in a tick.
+  EXPECT_GT(stage.tick(camera, small()).stats.acceleration.shared_blases, 0u);
+  uint32_t waited = 0;
+  render::Frame frame;
+  for (int tick = 1; tick < 40; ++tick) {
+    frame = stage.tick(camera, small());
+    EXPECT_LE(frame.stats.acceleration.shared_blases_built, 4u) << "tick " << tick;
+    waited += frame.stats.acceleration.shared_blases_waiting > 0;
+  }
+  EXPECT_GT(waited, 0u);
+  EXPECT_EQ(frame.stats.acceleration.shared_blases_waiting, 0u);
+  EXPECT_EQ(frame.stats.lipac->requested, 0u);
+  const uint32_t held = frame.stats.acceleration.shared_blases;
+  EXPECT_LT(held, everything.shared_blases);
+  EXPECT_LT(frame.stats.acceleration.shared_blas_bytes, everything.shared_blas_bytes);
+
+  // Where nothing is met all but that goes; it comes again, and takes what it took.
+  const scene::Camera away = lookAt(camera.position + glm::vec3(0, 400, 0), camera.position + glm::vec3(0, 800, 100), 0.4f);
+  uint64_t rest = 0;
+  for (int round = 0; round < 2; ++round) {
+    frame = stage.accumulate(away, small(32, 18), 140);
+    EXPECT_LT(2 * frame.stats.acceleration.shared_blases, held);
+    if (round == 1) { EXPECT_EQ(frame.stats.acceleration.shared_blas_bytes, rest); }
+    rest = frame.stats.acceleration.shared_blas_bytes;
+    frame = stage.accumulate(camera, small(), 40);
+    EXPECT_NEAR(frame.stats.acceleration.shared_blases, held, held / 10 + 1);
+  }
+  // A reference view needs all of them.
+  EXPECT_EQ(stage.tick(camera, referenceSettings()).stats.acceleration.shared_blas_bytes, everything.shared_blas_bytes);
+}
+
+TEST(Lipac, BothWaysThroughBoxesHoldTheSame) {
+  const scene::ScenePtr city = *scene::generateCity({1, 1'000, 100});
+  const scene::Camera camera = cameraOf(*city, "tilted_city");
+  Stage closest(city), any(city), few(city);
+  render::CullingSettings settings;
+  closest.setCulling(Culling::lipac, settings);
+  settings.lipac.box_hits = accel::BoxHits::any_hit;
+  any.setCulling(Culling::lipac, settings);
+  settings.lipac.counted_paths = 1'296;  // a quarter of them
+  few.setCulling(Culling::lipac, settings);
+  accel::LipacFigures a, b, c;
+  // Before anything is culled all rays meet the same boxes. What a shadow ray meets before it ends is not settled.
+  a = *closest.tick(camera, small()).stats.lipac;
+  b = *any.tick(camera, small()).stats.lipac;
+  c = *few.tick(camera, small()).stats.lipac;
+  EXPECT_GT(a.box_hits, 10'000u);
+  EXPECT_NEAR(static_cast<double>(b.box_hits), static_cast<double>(a.box_hits), 0.05 * static_cast<double>(a.box_hits));
+  EXPECT_NEAR(static_cast<double>(c.box_hits), static_cast<double>(b.box_hits), 0.2 * static_cast<double>(b.box_hits));
+  for (int tick = 1; tick < 24; ++tick) {
+    a = *closest.tick(camera, small()).stats.lipac;
+    b = *any.tick(camera, small()).stats.lipac;
+    c = *few.tick(camera, small()).stats.lipac;
+  }
+  EXPECT_GT(a.active, 20u);
+  EXPECT_NEAR(b.active, a.active, a.active / 20);
+  EXPECT_NEAR(c.active, a.active, a.active / 5);
 }
 
 /// A wide wall, 10 boxes behind the camera, 25 behind the wall, each group in cells of its own; a plain under all.
@@ -261,8 +342,18 @@ TEST(Lipac, WhatRaysDoNotMeetCastsItsShadowByTheMap) {
   showPicture(b, "lipac_shadow_rays");
   showPicture(c, "lipac_shadow_map");
   EXPECT_EQ(c.stats.lipac->active, 1u);  // the plain alone
-  EXPECT_GT(difference(b, a), 0.03);
-  EXPECT_LT(difference(c, a), 0.3 * difference(b, a));
+  // Where there is a shadow in truth and rays alone have none, the map has most of it: it is hard, and its texels are
+  // coarse.
+  uint32_t in_shadow = 0, lit_by_map = 0;
+  for (uint32_t y = 0; y < settings.height; ++y)
+    for (uint32_t x = 0; x < settings.width; ++x) {
+      const float truth = texel(a, x, y).g, all_lit = texel(b, x, y).g;
+      if (!(truth < 0.5f * all_lit)) continue;
+      ++in_shadow;
+      lit_by_map += texel(c, x, y).g > 1.5f * truth;
+    }
+  EXPECT_GT(in_shadow, settings.width * settings.height / 100);
+  EXPECT_LT(10 * lit_by_map, in_shadow);
 }
 
 TEST(Lipac, RefusesThresholdsOutOfRange) {

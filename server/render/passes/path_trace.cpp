@@ -13,7 +13,7 @@ namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
                  kMultipleScatteringConstant = 42, kManyLampsConstant = 43, kSunShadowConstant = 44,
-                 kCountHitsConstant = 45, kSplitConstant = 46, kConstants = 47;
+                 kCountHitsConstant = 45, kSplitConstant = 46, kAnyHitBoxesConstant = 49, kConstants = 50;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -42,7 +42,11 @@ gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::Eff
                                          {{"path_trace/surface.rchit", anyHit(effects)}},
                                          constants};
   // Only rays that count can meet boxes.
-  if (constants.size() > kCountHitsConstant && constants[kCountHitsConstant]) {
+  if (constants.size() <= kCountHitsConstant || !constants[kCountHitsConstant]) return description;
+  if (constants[kAnyHitBoxesConstant]) {
+    description.misses.front() = "lipac/counted.rmiss";
+    description.hits = {{"lipac/counted.rchit", anyHit(effects)}, {"", "lipac/cell.rahit"}, {"", "lipac/omitted.rahit"}};
+  } else {
     description.hits.push_back({"lipac/cell.rchit", ""});
     description.hits.push_back({"lipac/omitted.rchit", ""});
   }
@@ -54,7 +58,8 @@ std::string anyHit(effects::EffectSet effects) {
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
-                                                  bool log_rays, bool count_hits) {
+                                                  bool log_rays, bool count_hits,
+                                                  bool any_hit_boxes) {
   // What is shown takes emission's way.
   if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
   gpu::Specialisation constants = effects::specialisation(effects);
@@ -66,6 +71,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kManyLampsConstant] = settings.lamp_samples != 1;
   if (usesShadowMap(settings, effects)) constants[kSunShadowConstant] = static_cast<uint32_t>(settings.sun_shadow);
   constants[kCountHitsConstant] = count_hits;
+  constants[kAnyHitBoxesConstant] = any_hit_boxes;
   constants[kSplitConstant] = splitsLight(settings) && !log_rays;
   {
     const std::lock_guard lock(mutex_);
@@ -113,7 +119,7 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false, pass.hits != nullptr);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes);
   std::vector<Access> accesses{{pass.tlas, gpu::use::trace},
                                {pass.instances, gpu::use::ray_read},
                                {&view.constants, gpu::use::ray_read},
@@ -135,7 +141,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false, false);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},
