@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "render/camera_frame.h"
+#include "shared/gradients.h"
 
 namespace helio::render {
 namespace {
@@ -28,13 +29,14 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
     return;
   }
   const bool fits = motion && width_ == settings.width && height_ == settings.height &&
-                    split_ == splitsLight(settings) && denoiser_ == settings.denoiser;
+                    split_ == splitsLight(settings) && denoiser_ == settings.denoiser && taa_ == settings.taa;
   if (!fits) makeImages(commands, settings);
   if (settings.poison_history) poison(commands);
   now_ = 1 - now_;
 
   const float previous_unit = constants_.unit;
   constants_ = {};
+  constants_.tick = static_cast<uint32_t>(tick);
   constants_.valid = fits && goes_on && known_ && tick == tick_ + 1;
   const CameraFrame before = cameraFrame(constants_.valid ? camera_ : camera);
   constants_.position = constants_.valid ? camera_.position : camera.position;
@@ -57,47 +59,54 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
   height_ = settings.height;
   split_ = splitsLight(settings);
   denoiser_ = settings.denoiser;
-  const auto image = [&](const char* name, VkFormat format, uint64_t texel_bytes) {
+  taa_ = settings.taa;
+  // A texel a square of `side` pixels.
+  const auto image = [&](const char* name, VkFormat format, uint64_t texel_bytes, uint32_t side = 1) {
+    const uint32_t width = (width_ + side - 1) / side, height = (height_ + side - 1) / side;
     gpu::Image made(*device_,
-                    {name, width_, height_, 1, format, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
+                    {name, width, height, 1, format, VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT,
                      gpu::MemoryCategory::path_tracing});
     commands.prepare(made);
-    bytes_ += texel_bytes * width_ * height_;
+    bytes_ += texel_bytes * width * height;
     return made;
   };
-  const auto light = [&](const char* name) { return image(name, VK_FORMAT_R16G16B16A16_SFLOAT, 8); };
+  const auto half4 = [&](const char* name) { return image(name, VK_FORMAT_R16G16B16A16_SFLOAT, 8); };
+  const auto words = [&](const char* name) { return image(name, VK_FORMAT_R32G32_UINT, 8); };
+  const auto half2 = [&](const char* name) { return image(name, VK_FORMAT_R16G16_SFLOAT, 4); };
   buffer =
       gpu::Buffer(*device_, {"where things were", sizeof(shared::HistoryConstants), gpu::MemoryCategory::path_tracing});
-  motion = light("motion");
-  if (split_) {
-    surfaces_[0] = image("surfaces", VK_FORMAT_R32G32_UINT, 8);
-    albedos = image("albedos", VK_FORMAT_R32G32_UINT, 8);
-    emission = light("emission");
-    diffuse = light("diffuse light");
-    specular = light("specular light");
-  }
-  if (denoiser_ == Denoiser::none) {
-    if (split_) surfaces_[1] = image("surfaces", VK_FORMAT_R32G32_UINT, 8);
-    return;
-  }
-  surfaces_[1] = image("surfaces of the tick before", VK_FORMAT_R32G32_UINT, 8);
-  for (size_t signal = 0; signal < 2; ++signal) {
-    integrated[signal] = light("integrated light");
-    filtered[signal] = light("filtered light");
-  }
-  for (size_t tick = 0; tick < 2; ++tick) {
-    moments_[tick] = light("moments of light");
-    samples_[tick] = image("samples of light", VK_FORMAT_R16G16_SFLOAT, 4);
-  }
+  motion = half4("motion");
+  if (taa_) antialiased = words("the anti-aliased picture");
+  if (taa_ && !split_) resolved_ = words("the anti-aliased picture on its way");
+  if (!split_) return;
+  surfaces_ = {words("surfaces"), words("surfaces of the tick before")};
+  albedos = words("albedos");
+  emission = image("emission", VK_FORMAT_R32_UINT, 4);
+  for (Light* light : {&sampled, &spare}) *light = {words("light by lobe"), half2("deviations of light")};
+  if (denoiser_ == Denoiser::none) return;
+  filtered = words("light of the ticks before");
+  moments = words("moments of light");
+  samples = half2("samples of light");
+  if (denoiser_ != Denoiser::asvgf) return;
+  using shared::kStratum;
+  claims = image("claims of strata", VK_FORMAT_R32_UINT, 4, kStratum);
+  for (gpu::Image& gradient : gradients)
+    gradient = image("gradients of light", VK_FORMAT_R16G16B16A16_SFLOAT, 8, kStratum);
+  const uint64_t sample_bytes = uint64_t{claims.width()} * claims.height() * sizeof(shared::GradientSample);
+  gradient_samples = gpu::Buffer(*device_, {"samples to shade again", sample_bytes, gpu::MemoryCategory::path_tracing});
+  bytes_ += sample_bytes;
 }
 
 void Histories::poison(gpu::Commands& commands) const {
-  if (denoiser_ == Denoiser::none) return;
   commands.barrier(gpu::use::everything, gpu::use::transfer_write);
-  const VkClearColorValue nan{{std::nanf(""), std::nanf(""), std::nanf(""), std::nanf("")}};
   const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  for (const gpu::Image* image : {&filtered[0], &filtered[1], &moments_[0], &moments_[1], &samples_[0], &samples_[1]})
-    vkCmdClearColorImage(commands.handle(), image->handle(), VK_IMAGE_LAYOUT_GENERAL, &nan, 1, &all);
+  VkClearColorValue nan{{std::nanf(""), std::nanf(""), std::nanf(""), std::nanf("")}}, words_of_nan{};
+  words_of_nan.uint32[0] = words_of_nan.uint32[1] = 0x7e007e00u;  // two 16-bit floats each
+  const auto clear = [&](const gpu::Image& image, const VkClearColorValue& value) {
+    if (image) vkCmdClearColorImage(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_GENERAL, &value, 1, &all);
+  };
+  clear(samples, nan);
+  for (const gpu::Image* image : {&filtered, &moments, &antialiased}) clear(*image, words_of_nan);
   commands.barrier(gpu::use::transfer_write, gpu::use::everything);
 }
 
@@ -105,20 +114,21 @@ void Histories::describeImages() {
   const auto slot = [](const gpu::Image& image) { return image ? image.slot() : 0u; };
   shared::HistoryConstants& c = constants_;
   c.motion = slot(motion);
+  c.split = split_;
   c.surface = slot(surface());
   c.previous_surface = slot(previousSurface());
   c.albedos = slot(albedos);
   c.emission = slot(emission);
-  c.diffuse = slot(diffuse);
-  c.specular = slot(specular);
-  for (size_t signal = 0; signal < 2; ++signal) {
-    c.integrated[signal] = slot(integrated[signal]);
-    c.filtered[signal] = slot(filtered[signal]);
-  }
-  c.moments = slot(moments());
-  c.previous_moments = slot(previousMoments());
-  c.samples = slot(samples());
-  c.previous_samples = slot(previousSamples());
+  c.sampled = slot(sampled.rgb);
+  c.sampled_deviation = slot(sampled.deviation);
+  c.spare = slot(spare.rgb);
+  c.spare_deviation = slot(spare.deviation);
+  c.filtered = slot(filtered);
+  c.moments = slot(moments);
+  c.samples = slot(samples);
+  c.gradient_samples = gradient_samples ? gradient_samples.address() : 0;
+  c.claims = slot(claims);
+  c.gradients = slot(gradients[kGradientIterations % 2]);
 }
 
 }  // namespace helio::render

@@ -11,9 +11,12 @@
 
 namespace helio::render {
 
+/// Of the filter of A-SVGF's gradients: the images take turns, and the last one written is what the mean heeds.
+constexpr uint32_t kGradientIterations = 5;
+
 /// The settings call for the tick before: where things were, at least.
 inline bool looksBack(const ViewSettings& settings) {
-  return settings.denoiser != Denoiser::none || settings.inspect != Inspect::nothing;
+  return settings.denoiser != Denoiser::none || settings.taa || settings.inspect != Inspect::nothing;
 }
 /// The settings call for light by the first vertex's lobes.
 inline bool splitsLight(const ViewSettings& settings) {
@@ -38,15 +41,25 @@ class Histories {
   uint64_t bytes() const { return bytes_; }
 
   gpu::Buffer buffer;  // shared::HistoryConstants
-  // shaders/shared/history.h says what each holds. `integrated` and `filtered`: diffuse, specular.
-  gpu::Image motion, albedos, emission, diffuse, specular;
-  std::array<gpu::Image, 2> integrated, filtered;
+  /// Light by lobe on its way through a denoiser, and its deviations.
+  struct Light {
+    gpu::Image rgb, deviation;
+  };
+  // shaders/shared/history.h says what each holds. Passes write to where what they are done with was, so that two
+  // images of light are enough, and one each of what is kept.
+  gpu::Image motion, albedos, emission;
+  Light sampled, spare;
+  gpu::Image filtered, moments, samples;
+  /// Of temporal anti-aliasing: the mean over the ticks before.
+  gpu::Image antialiased;
+  /// That with this tick, on its way.
+  const gpu::Image& resolved() const { return split_ ? spare.rgb : resolved_; }
+  // Of A-SVGF (shaders/shared/gradients.h), a texel a stratum.
+  gpu::Buffer gradient_samples;
+  gpu::Image claims;
+  std::array<gpu::Image, 2> gradients;
   const gpu::Image& surface() const { return surfaces_[now_]; }
   const gpu::Image& previousSurface() const { return surfaces_[1 - now_]; }
-  const gpu::Image& moments() const { return moments_[now_]; }
-  const gpu::Image& previousMoments() const { return moments_[1 - now_]; }
-  const gpu::Image& samples() const { return samples_[now_]; }
-  const gpu::Image& previousSamples() const { return samples_[1 - now_]; }
 
  private:
   void makeImages(gpu::Commands& commands, const ViewSettings& settings);
@@ -54,12 +67,13 @@ class Histories {
   void describeImages();
 
   gpu::Device* device_;
-  std::array<gpu::Image, 2> surfaces_, moments_, samples_;  // of this tick and the one before, which take turns
+  std::array<gpu::Image, 2> surfaces_;  // of this tick and the one before, which take turns
   size_t now_ = 0;
   shared::HistoryConstants constants_{};
   scene::Camera camera_;
+  gpu::Image resolved_;
   uint32_t width_ = 0, height_ = 0;
-  bool split_ = false;
+  bool split_ = false, taa_ = false;
   Denoiser denoiser_ = Denoiser::none;
   uint64_t tick_ = 0;
   bool known_ = false;  // the tick before was kept

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "render/passes/accumulate.h"
+#include "render/passes/asvgf.h"
 #include "render/passes/bare_trace.h"
 #include "render/passes/culling_view.h"
 #include "render/passes/exposure.h"
@@ -13,6 +14,7 @@
 #include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
 #include "render/passes/svgf.h"
+#include "render/passes/taa.h"
 #include "render/passes/tonemap.h"
 
 namespace helio::render {
@@ -30,12 +32,24 @@ struct Passes {
         exposure(device),
         tonemap(device),
         svgf(device),
+        asvgf(device),
+        taa(device),
         inspect(device),
         culling_view(device),
         bare_trace(device) {}
 
   /// Null: light stays as it was sampled.
-  const DenoiserPasses* denoiser(Denoiser which) const { return which == Denoiser::svgf ? &svgf : nullptr; }
+  const DenoiserPasses* denoiser(Denoiser which) const {
+    switch (which) {
+      case Denoiser::none:
+        return nullptr;
+      case Denoiser::svgf:
+        return &svgf;
+      case Denoiser::asvgf:
+        return &asvgf;
+    }
+    return nullptr;
+  }
 
   CullPipelines culling;
   PrimaryRaster primary_raster;
@@ -48,6 +62,8 @@ struct Passes {
   Exposure exposure;
   Tonemap tonemap;
   Svgf svgf;
+  Asvgf asvgf;
+  Taa taa;
   InspectPass inspect;
   CullingViewPass culling_view;
   BareTrace bare_trace;

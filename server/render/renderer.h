@@ -38,7 +38,8 @@ enum class SunShadow {
 /// What turns one sample a pixel into a picture that is good to look at. Biased; not in reference mode.
 enum class Denoiser {
   none,
-  svgf,  ///< spatiotemporal variance-guided filtering [Schied et al. 2017]
+  svgf,   ///< spatiotemporal variance-guided filtering [Schied et al. 2017]
+  asvgf,  ///< the same, with a history as long as the light stays what it was [Schied et al. 2018]
 };
 /// Plain numbers in the picture's place (shaders/shared/history.h says which): for tests and for the curious.
 enum class Inspect : uint32_t {
@@ -91,6 +92,7 @@ struct ViewSettings {
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   CullingView culling_view = CullingView::none;         ///< not in reference mode
   Denoiser denoiser = Denoiser::none;
+  bool taa = false;  ///< temporal anti-aliasing: ticks look at different points of the pixels; not in reference mode
   Inspect inspect = Inspect::nothing;  ///< not in reference mode
   bool poison_history = false;         ///< a test's hook: makes NaN of what a denoiser kept, ahead of this tick
   bool accumulate = true;              ///< average over ticks while camera and world stand still

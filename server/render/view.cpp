@@ -82,6 +82,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   }
   if (settings.mode == Mode::reference || showsProperty(settings.materials)) {
     settings_.denoiser = Denoiser::none;
+    settings_.taa = false;
     settings_.inspect = Inspect::nothing;
   }
   if (showsNumbers(settings_.inspect)) settings_.auto_exposure = false;
@@ -91,7 +92,9 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
   if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;
-  tick_jitter_ = accumulating() ? pixelPosition(accumulated_) : glm::vec2(0.5f);
+  tick_jitter_ = settings_.taa && !still_ ? pixelPosition(tick)
+                 : accumulating()         ? pixelPosition(accumulated_)
+                                          : glm::vec2(0.5f);
 
   const uint64_t texels = uint64_t{settings.width} * settings.height;
   const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;

@@ -283,6 +283,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
             {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
             [this, &view](gpu::Commands& commands) { uploadConstants(commands, view); });
 
+  const DenoiserPasses* denoiser = passes_.denoiser(settings.denoiser);
   const bool shadow_map = usesShadowMap(settings, effects_);
   for (uint32_t i = 0; i < settings.samples; ++i) {
     work.samples.push_back(view.nextSample());
@@ -291,6 +292,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
     if (!usesRaster(settings)) { passes_.primary_traced.add(pass, sample, effects_); }
     // Once a tick; the samples share what is rasterised.
     if (i == 0 && (usesRaster(settings) || shadow_map)) addRasterPasses(pass, sample.jitter);
+    if (denoiser) denoiser->addAhead(pass);
     passes_.path_trace.add(pass, sample, effects_);
     passes_.statistics.add(pass, sample);
     if (view.averaging()) passes_.accumulate.add(pass, sample);
@@ -298,7 +300,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
 
   const shared::SampleConstants last = view.finalConstants();
   if (looksBack(settings)) passes_.motion.add(pass, work.samples.back());
-  if (const DenoiserPasses* denoiser = passes_.denoiser(settings.denoiser)) denoiser->add(pass, last);
+  if (denoiser) denoiser->add(pass, work.samples.back(), last);
+  if (settings.taa && settings.inspect == Inspect::nothing) passes_.taa.add(pass);
   if (settings.inspect != Inspect::nothing) passes_.inspect.add(pass, work.samples.back());
   if (settings.culling_view != CullingView::none) passes_.culling_view.add(pass, work.samples.back());
   if (settings.auto_exposure) passes_.exposure.add(pass, last);
@@ -415,6 +418,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   if (looksBack(settings)) {
     shared::HistoryConstants history = view.histories.constants();
     units_.describe(history);
+    history.reshades = history.valid && !view.accumulating() ? 1 : 0;
     commands.upload<shared::HistoryConstants>(view.histories.buffer, 0, std::span(&history, 1));
     c.history = view.histories.buffer.address();
   }

@@ -19,14 +19,14 @@ bool isNumber(vec4 v) { return all(lessThan(floatBitsToUint(v) & 0x7fffffffu, uv
 
 vec3 stored(vec3 v) { return clamp(v, vec3(0.0), vec3(kMostStored)); }
 
-// ---- The first surface of a pixel ----
+// ---- The surface that a pixel shows, be it in a mirror ----
 
-// A normal in 2 x 11 bits, octahedral [Cigolle et al. 2014], and 10 bits that tell instances apart.
-uint packSurface(vec3 normal, uint slot) {
+// A normal in 2 x 11 bits, octahedral [Cigolle et al. 2014], and 10 bits that tell instances and their mirror images apart.
+uint packSurface(vec3 normal, uint slot, bool mirrored) {
   vec2 e = normal.xy / (abs(normal.x) + abs(normal.y) + abs(normal.z));
   if (normal.z < 0.0) e = (1.0 - abs(e.yx)) * vec2(e.x >= 0.0 ? 1.0 : -1.0, e.y >= 0.0 ? 1.0 : -1.0);
   const uvec2 q = uvec2(round(clamp(0.5 + 0.5 * e, 0.0, 1.0) * 2046.0));
-  return q.x | q.y << 11 | (slot * 2654435761u >> 22) << 22;
+  return q.x | q.y << 11 | ((mirrored ? ~slot : slot) * 2654435761u >> 22) << 22;
 }
 vec3 surfaceNormal(uint packed_surface) {
   const vec2 e = vec2(packed_surface & 2047u, packed_surface >> 11 & 2047u) / 1023.0 - 1.0;
@@ -34,6 +34,10 @@ vec3 surfaceNormal(uint packed_surface) {
   if (v.z < 0.0) v.xy = (1.0 - abs(v.yx)) * vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0);
   return normalize(v);
 }
+// Depth in metres, 0 where there is no surface; the sign tells what is seen in a mirror.
+uint packDepth(float depth, bool mirrored) { return floatBitsToUint(max(depth, 0.0)) | (mirrored ? 0x80000000u : 0u); }
+float surfaceDepth(uint packed_depth) { return uintBitsToFloat(packed_depth & 0x7fffffffu); }
+bool surfaceMirrored(uint packed_depth) { return (packed_depth & 0x80000000u) != 0u; }
 uint surfaceInstance(uint packed_surface) { return packed_surface >> 22; }
 
 bool inPicture(ivec2 pixel) { return all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, ivec2(frame.width, frame.height))); }
@@ -48,6 +52,45 @@ vec3 unpackAlbedo(uint albedo) {
   const vec3 root = vec3(albedo & 1023u, albedo >> 10 & 1023u, albedo >> 20) / 1023.0;
   return root * root;
 }
+
+// ---- Light ----
+// Three numbers of 9 bits with an exponent of 5 bits in common, as VK_FORMAT_E5B9G9R9_UFLOAT_PACK32: half of what 16-bit floats take.
+// Rounded to nearest, or with `chance` in [0, 1) up or down so that the expected value is exact: a mean that moves by a twentieth a
+// tick would come to rest a percent from its goal if its steps were rounded to nearest.
+uint packLight(vec3 c, float chance) {
+  c = min(c, vec3(kMostStored));
+  const int exponent = max(-16, int(floatBitsToUint(max(maxComponent(c), 1e-30)) >> 23) - 127) + 1;
+  // The largest may round up to the next power of two: then it is cut to what 9 bits hold.
+  const uvec3 q = min(uvec3(ldexp(c, ivec3(9 - exponent)) + chance), uvec3(511u));
+  return q.r | q.g << 9 | q.b << 18 | uint(exponent + 15) << 27;
+}
+uint packLight(vec3 c) { return packLight(c, 0.5); }
+vec3 unpackLight(uint light) {
+  const uvec3 q = uvec3(light & 511u, light >> 9 & 511u, light >> 18 & 511u);
+  return ldexp(vec3(q), ivec3(int(light >> 27) - 24));
+}
+
+// Four 16-bit floats in two words.
+uvec2 packHalf4(vec4 v) { return uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw)); }
+vec4 unpackHalf4(uvec2 v) { return vec4(unpackHalf2x16(v.x), unpackHalf2x16(v.y)); }
+
+// Of this tick, or on its way through a denoiser: by the diffuse and the specular lobe, over their albedos.
+struct LobeLight {
+  vec3 rgb[2];
+  vec2 deviation;  // standard deviation of the luminance; of a sample: 1, or 0 where it was dropped
+};
+LobeLight readLight(uint light, uint deviation, ivec2 pixel) {
+  const uvec2 packed_light = imageLoad(images_rg32ui[light], pixel).xy;
+  LobeLight l;
+  l.rgb = vec3[](unpackLight(packed_light.x), unpackLight(packed_light.y));
+  l.deviation = imageLoad(images_rg16f[deviation], pixel).xy;
+  return l;
+}
+void writeLight(uint light, uint deviation, ivec2 pixel, LobeLight l, float chance) {
+  imageStore(images_rg32ui[light], pixel, uvec4(packLight(stored(l.rgb[0]), chance), packLight(stored(l.rgb[1]), chance), 0u, 0u));
+  imageStore(images_rg16f[deviation], pixel, vec4(min(l.deviation, vec2(kMostStored)), 0.0, 0.0));
+}
+LobeLight sampledLight(ivec2 pixel) { return readLight(history.sampled, history.sampled_deviation, pixel); }
 
 // ---- Where things are on the screen, in pixels, and their depth in metres ----
 vec3 project(vec3 relative, vec3 right, vec3 up, vec3 forward, float tangent) {

@@ -47,15 +47,20 @@ vec2 sobolPair(uint reversed_index, uint shuffle, uvec2 scramble) {
   return unitSquare(bitfieldReverse(uvec2(scrambleReversed(index, scramble.x), scrambleReversed(sobolReversed(index), scramble.y))));
 }
 
+// A path may draw the random numbers of another seed.
+uint other_seed_ = 0u;
+bool has_other_seed_ = false;
+uint sampleSeed() { return has_other_seed_ ? other_seed_ : push.seed; }
+
 // A point of the unit square for `decision`, a number of the path's.
 vec2 pathSample2(uvec2 pixel, uint decision) {
-  if (frame.independent_samples != 0u) return randomAt(pixel, push.sample_index + push.seed * 0x9e3779b9u, decision).xy;
+  if (frame.independent_samples != 0u) return randomAt(pixel, push.sample_index + sampleSeed() * 0x9e3779b9u, decision).xy;
   const uint in_block = push.sample_index & ((1u << push.log2_samples) - 1u), block = push.sample_index >> push.log2_samples;
-  const uvec4 seeds = pcg4d(uvec4(decision, push.seed, block, 0u));
+  const uvec4 seeds = pcg4d(uvec4(decision, sampleSeed(), block, 0u));
   return sobolPair(bitfieldReverse(zOrder(pixel) << push.log2_samples | in_block), seeds.x, seeds.yz);
 }
 
 // The same without low discrepancy: for decisions between yes and no, such as roulette.
-float pathSample1(uvec2 pixel, uint decision) { return randomAt(pixel, push.sample_index + push.seed * 0x9e3779b9u, decision).x; }
+float pathSample1(uvec2 pixel, uint decision) { return randomAt(pixel, push.sample_index + sampleSeed() * 0x9e3779b9u, decision).x; }
 
 #endif

@@ -11,11 +11,11 @@ Hit seenHit(uvec2 pixel) {
   return hit;
 }
 
-// Its triangle, and where the pixel's ray meets it.
-Triangle seenTriangle(inout Hit hit, InstanceRecord instance, vec3 direction) {
+// Its triangle, and where a ray meets it: the camera's, or one that a mirror sends on.
+Triangle seenTriangle(inout Hit hit, InstanceRecord instance, vec3 origin, vec3 direction) {
   const MeshRecord mesh = meshLevel(instance, hit.level);
   const Triangle t = loadTriangle(instance, mesh.first_geometry + hit.geometry, hit.primitive);
-  hit.barycentrics = intersectPlane(t, frame.position, direction);
+  hit.barycentrics = intersectPlane(t, origin, direction);
   return t;
 }
 

@@ -1,5 +1,8 @@
-// The light of a path by the lobe of its first vertex, each part over that lobe's albedo: what denoisers filter. The parts times
-// their albedos add up to the path's radiance. Only with kSplit.
+// The light of a path by the lobe of the first surface that it shows, each part over that lobe's albedo: what denoisers filter. The
+// parts times their albedos add up to the path's radiance. Only with kSplit.
+//
+// A mirror shows the surface behind it: primary surface replacement [Panteleev 2018, Practical solutions for ray tracing content
+// compatibility]. Its tint joins that surface's albedos, its place is where it seems to be, and lib/motion.glsl follows it there.
 #ifndef HELIO_SPLIT_GLSL
 #define HELIO_SPLIT_GLSL
 #include "lib/history.glsl"
@@ -7,8 +10,9 @@
 
 // Of the path that this invocation traces.
 struct Split {
-  vec3 emission;       // that the camera sees without a scattering
-  vec3 diffuse;        // light that shadow rays of the first vertex brought, by its lobe
+  bool shown;          // the path has come to the surface that it shows
+  vec3 emission;       // that the camera sees without a scattering, in this launch
+  vec3 diffuse;        // light that shadow rays of the shown surface brought, by its lobe
   vec3 specular;
   vec3 further;        // light of all that comes after, in this launch
   vec3 diffuse_share;  // of `further` that came by the diffuse lobe
@@ -17,6 +21,7 @@ Split split_;
 
 void startSplit() {
   if (!kSplit) return;
+  split_.shown = false;
   split_.emission = split_.diffuse = split_.specular = split_.further = split_.diffuse_share = vec3(0.0);
 }
 
@@ -28,28 +33,40 @@ vec3 diffuseShare(Bsdf b, vec3 wo, vec3 wi, vec3 f) {
   return clamp(mix(vec3(0.0), diffuse / f, greaterThan(f, vec3(0.0))), 0.0, 1.0);
 }
 
-// A shadow ray of the first vertex found its light.
+// A mirror that shows what is behind it, and nothing of its own: of two mirrors that face each other the second is the surface.
+bool showsWhatIsBehind(Surface s, uint vertex) {
+  return kSplit && kMirrors && vertex == 0u && s.bsdf.mirror && maxComponent(s.bsdf.diffuse) < kLeastAlbedo;
+}
+
+// A shadow ray of the shown surface found its light.
 void addDirect(vec3 light, vec3 diffuse_share) {
   if (!kSplit) return;
   split_.diffuse += light * diffuse_share;
   split_.specular += light * (1.0 - diffuse_share);
 }
+// Light that the path's ray has met, or that arrived at a later vertex.
 void addFurther(vec3 light) {
-  if (kSplit) split_.further += light;
+  if (!kSplit) return;
+  if (split_.shown) split_.further += light;
+  else split_.emission += light;
 }
 
 // The share as it is kept between launches: both parts are of one rounded number, so nothing is lost.
 uint packShare(vec3 share) { return packUnorm4x8(vec4(share, 0.0)); }
 vec3 unpackShare(uint share) { return unpackUnorm4x8(share).rgb; }
 
-// What denoisers must know of the first surface. Without one, `s` is not looked at.
-void storeSurface(ivec2 pixel, bool hit, Surface s, vec3 wo) {
-  uvec2 surface = uvec2(0u), albedos = uvec2(0u);
-  if (hit) {
-    surface = uvec2(packSurface(s.frame_[2], s.slot), floatBitsToUint(max(dot(s.position - frame.position, frame.forward), 1e-6)));
-    const vec3 specular = s.bsdf.compensation * coatAlbedo(s.bsdf, s.bsdf.coat.y * pow(clamp(1.0 - wo.z, 0.0, 1.0), s.bsdf.coat.x));
-    albedos = uvec2(packAlbedo(s.bsdf.diffuse), packAlbedo(specular));
-  }
+// What denoisers must know of the surface that the path shows, `distance` metres along the path from the camera, whose first ray
+// had the direction `seen`. `tint`: of the mirror that it is seen in.
+void storeSurface(ivec2 pixel, Surface s, vec3 wo, vec3 seen, float distance, vec3 tint, bool mirrored) {
+  const vec3 specular = s.bsdf.compensation * coatAlbedo(s.bsdf, s.bsdf.coat.y * pow(clamp(1.0 - wo.z, 0.0, 1.0), s.bsdf.coat.x));
+  const uvec2 surface = uvec2(packSurface(s.frame_[2], s.slot, mirrored), packDepth(dot(seen, frame.forward) * distance, mirrored));
+  const uvec2 albedos = uvec2(packAlbedo(tint * s.bsdf.diffuse), packAlbedo(tint * specular));
+  imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
+  imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
+}
+// The path shows none: the sky, itself or in a mirror.
+void storeNoSurface(ivec2 pixel, bool mirrored) {
+  const uvec2 surface = uvec2(0u, packDepth(0.0, mirrored)), albedos = uvec2(0u);
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
   imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
 }
@@ -58,31 +75,29 @@ void storeSurface(ivec2 pixel, bool hit, Surface s, vec3 wo) {
 // counts as none.
 void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
   const float share = 1.0 / float(push.tick_sample + 1u);  // of this sample in the mean
-  vec4 diffuse = vec4(0.0, 0.0, 0.0, 1.0), specular = vec4(0.0), emission = vec4(0.0);
+  LobeLight light = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(1.0));
+  vec3 emission = vec3(0.0);
   if (!first_launch || push.tick_sample > 0u) {
-    diffuse = imageLoad(images_rgba16f[history.diffuse], pixel);
-    specular = imageLoad(images_rgba16f[history.specular], pixel);
-    emission = imageLoad(images_rgba16f[history.emission], pixel);
+    light = sampledLight(pixel);
+    emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
   }
   if (first_launch && push.tick_sample > 0u) {
-    diffuse.rgb *= 1.0 - share;
-    specular.rgb *= 1.0 - share;
-    emission.rgb *= 1.0 - share;
+    for (int lobe = 0; lobe < 2; ++lobe) light.rgb[lobe] *= 1.0 - share;
+    emission *= 1.0 - share;
   }
   if (dropped) {
-    diffuse.a = 0.0;
+    light.deviation = vec2(0.0);
   } else {
     const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
     const float scale = history.unit * share;
     if (albedos.x != 0u) {
-      diffuse.rgb += scale * (split_.diffuse + split_.further * split_.diffuse_share) / unpackAlbedo(albedos.x);
-      specular.rgb += scale * (split_.specular + split_.further * (1.0 - split_.diffuse_share)) / unpackAlbedo(albedos.y);
+      light.rgb[0] += scale * (split_.diffuse + split_.further * split_.diffuse_share) / unpackAlbedo(albedos.x);
+      light.rgb[1] += scale * (split_.specular + split_.further * (1.0 - split_.diffuse_share)) / unpackAlbedo(albedos.y);
     }
-    emission.rgb += scale * split_.emission;
+    emission += scale * split_.emission;
   }
-  imageStore(images_rgba16f[history.diffuse], pixel, vec4(stored(diffuse.rgb), diffuse.a));
-  imageStore(images_rgba16f[history.specular], pixel, vec4(stored(specular.rgb), 0.0));
-  if (first_launch) imageStore(images_rgba16f[history.emission], pixel, vec4(stored(emission.rgb), 0.0));
+  writeLight(history.sampled, history.sampled_deviation, pixel, light, 0.5);
+  if (first_launch || maxComponent(split_.emission) > 0.0) imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission))));
 }
 
 #endif

@@ -23,6 +23,7 @@ struct HistoryConstants {
   vec3 up;
   vec3 forward;
   uint valid;  // 0: nothing is known of the tick before
+  uint tick;
 
   // Where units were.
   uint moved;              // 0: where they are
@@ -34,20 +35,30 @@ struct HistoryConstants {
   float rescale;       // from values of the tick before to values of this one: units are no constants
   float most_samples;  // of a texel's history
 
-  uint motion;   // rgba16f: to the tick before, in pixels and metres of depth; and |gradient of depth| a pixel
-  uint surface;  // rg32ui: packSurface(), depth along `forward` as a float's bits; 0: nothing is there
+  uint motion;  // rgba16f: to the tick before, in pixels and metres of depth; and |gradient of depth| a pixel
+  // Of A-SVGF (shared/gradients.h).
+  uint64_t gradient_samples;  // GradientSample a stratum, of the tick before
+  uint reshades;              // 1: they are shaded again
+  uint claims;                // r32ui a stratum: packClaim()
+  uint gradients;             // rgba16f a stratum: filtered; diffuse and specular, change and larger luminance
+
+  uint split;    // 1: there is light by lobe, and surfaces
+  uint surface;  // rg32ui: packSurface(), packDepth() along `forward`
   uint previous_surface;
   uint albedos;   // rg32ui: packAlbedo() of the diffuse and of the specular directional albedo; 0: nothing is there
-  uint emission;  // rgba16f: light that the camera sees without a scattering
-  uint diffuse;   // rgba16f: this tick's light by the first vertex's diffuse lobe, over its albedo; a: 1, or 0 where it
-                  // was dropped
-  uint specular;  // rgba16f: the same of its specular lobe
-  uint integrated[2];  // rgba16f: mean over ticks; a: standard deviation of that mean's luminance; diffuse, specular
-  uint filtered[2];    // rgba16f: the same behind the first filter, which the next tick goes on from
-  uint moments;        // rgba16f: of a sample's luminance: mean and standard deviation, diffuse then specular
-  uint previous_moments;
-  uint samples;  // rg16f: in the history; diffuse, specular
-  uint previous_samples;
+  uint emission;  // r32ui: packLight() of what the camera sees without a scattering
+  // Two pairs of images hold light on its way: rg32ui: packLight(), diffuse and specular, over their albedos; rg16f:
+  // standard deviations of their luminance. Of the first pair: this tick's samples, with 1 for a deviation, or 0 where
+  // a sample was dropped; then their mean over ticks. The second also holds, before it holds light:
+  // - packHit() of the surface that is seen in a mirror, where `surface` says that one is;
+  // - this tick's moments and numbers of samples, until they can take the place of those of the tick before.
+  uint sampled;
+  uint sampled_deviation;
+  uint spare;
+  uint spare_deviation;
+  uint filtered;  // rg32ui: packLight(), diffuse and specular: the mean over ticks that the next one goes on from
+  uint moments;   // rg32ui: packHalf4() of a sample's luminance: mean and standard deviation, diffuse then specular
+  uint samples;   // rg16f: in the history; diffuse, specular
 };
 
 // What may be shown in the picture's place, as plain numbers.

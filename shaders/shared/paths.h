@@ -39,6 +39,7 @@ HELIO_CONSTANT kPathGoesOn = 0x80000000u;
 HELIO_CONSTANT kPathShadow = 0x40000000u;
 HELIO_CONSTANT kPathWaits = 0xc0000000u;      // either
 HELIO_CONSTANT kPathRoughened = 0x20000000u;  // it has scattered at a diffuse or rough surface
+HELIO_CONSTANT kPathInMirror = 0x10000000u;   // it has met a mirror, and not yet what the mirror shows
 
 HELIO_SHARED_END
 #endif

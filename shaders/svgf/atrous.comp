@@ -3,6 +3,7 @@
 // One iteration of SVGF's edge-avoiding a-trous wavelet filter [Schied et al. 2017, section 4.3 and 4.4; Dammertz et al. 2010]:
 // 5 x 5 taps `stride` pixels apart. Edges are found in depth, normals, and in luminance as far as its variance lets them be seen.
 // The last iteration makes the picture: albedos and emission come back.
+#include "lib/random.glsl"
 #include "svgf/filter.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -21,22 +22,20 @@ vec2 smoothDeviation(ivec2 pixel) {
       const ivec2 at = pixel + ivec2(x, y);
       if (!inPicture(at)) continue;
       const float w = (x == 0 ? 0.5 : 0.25) * (y == 0 ? 0.5 : 0.25);
-      for (uint s = 0u; s < kSignals; ++s) {
-        const float deviation = imageLoad(images_rgba16f[filter_.source[s]], at).a;
-        variance[s] += w * deviation * deviation;
-      }
+      const vec2 deviation = imageLoad(images_rg16f[filter_.source_deviation], at).xy;
+      variance += w * deviation * deviation;
       sum += w;
     }
   return sqrt(variance / sum);
 }
 
-void filterLight(ivec2 pixel, SurfaceTexel here, inout vec4 light[kSignals]) {
+void filterLight(ivec2 pixel, SurfaceTexel here, inout LobeLight light) {
   const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
   const vec2 tolerance = kSigmaLuminance * smoothDeviation(pixel) + 1e-5;
-  const vec2 l = vec2(luminance(light[0].rgb), luminance(light[1].rgb));
+  const vec2 l = vec2(luminance(light.rgb[0]), luminance(light.rgb[1]));
   vec2 sum = vec2(kKernel[0] * kKernel[0]);
-  vec2 variance = sum * sum * vec2(light[0].a * light[0].a, light[1].a * light[1].a);
-  for (uint s = 0u; s < kSignals; ++s) light[s].rgb *= sum[s];
+  vec2 variance = sum * sum * light.deviation * light.deviation;
+  for (uint s = 0u; s < kSignals; ++s) light.rgb[s] *= sum[s];
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) {
       const ivec2 at = pixel + ivec2(x, y) * int(filter_.stride);
@@ -44,22 +43,21 @@ void filterLight(ivec2 pixel, SurfaceTexel here, inout vec4 light[kSignals]) {
       const SurfaceTexel there = readSurface(history.surface, at);
       const float w = kKernel[abs(x)] * kKernel[abs(y)] * geometryWeight(here, there, gradient, length(vec2(x, y)) * float(filter_.stride));
       if (w <= 0.0) continue;
-      for (uint s = 0u; s < kSignals; ++s) {
-        const vec4 tap = imageLoad(images_rgba16f[filter_.source[s]], at);
-        const float ws = w * exp(-abs(luminance(tap.rgb) - l[s]) / tolerance[s]);
-        light[s].rgb += ws * tap.rgb;
-        variance[s] += ws * ws * tap.a * tap.a;
-        sum[s] += ws;
-      }
+      const LobeLight tap = readLight(filter_.source, filter_.source_deviation, at);
+      const vec2 ws = w * exp(-abs(vec2(luminance(tap.rgb[0]), luminance(tap.rgb[1])) - l) / tolerance);
+      for (uint s = 0u; s < kSignals; ++s) light.rgb[s] += ws[s] * tap.rgb[s];
+      variance += ws * ws * tap.deviation * tap.deviation;
+      sum += ws;
     }
-  for (uint s = 0u; s < kSignals; ++s) light[s] = vec4(light[s].rgb / sum[s], sqrt(variance[s]) / sum[s]);
+  for (uint s = 0u; s < kSignals; ++s) light.rgb[s] /= sum[s];
+  light.deviation = sqrt(variance) / sum;
 }
 
 // Albedos and emission come back.
-vec3 modulated(ivec2 pixel, vec4 light[kSignals]) {
+vec3 modulated(ivec2 pixel, LobeLight light) {
   const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
-  vec3 radiance = imageLoad(images_rgba16f[history.emission], pixel).rgb;
-  if (albedos.x != 0u) radiance += unpackAlbedo(albedos.x) * light[0].rgb + unpackAlbedo(albedos.y) * light[1].rgb;
+  vec3 radiance = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
+  if (albedos.x != 0u) radiance += unpackAlbedo(albedos.x) * light.rgb[0] + unpackAlbedo(albedos.y) * light.rgb[1];
   return radiance / history.unit;
 }
 
@@ -67,11 +65,14 @@ void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
   const SurfaceTexel here = readSurface(history.surface, pixel);
-  vec4 light[kSignals];
-  for (uint s = 0u; s < kSignals; ++s) light[s] = imageLoad(images_rgba16f[filter_.source[s]], pixel);
+  LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
   if (here.depth > 0.0) filterLight(pixel, here, light);
   if (!kLast) {
-    for (uint s = 0u; s < kSignals; ++s) imageStore(images_rgba16f[filter_.target[s]], pixel, vec4(stored(light[s].rgb), min(light[s].a, kMostStored)));
+    writeLight(filter_.target, filter_.target_deviation, pixel, light, 0.5);
+    if (filter_.keeps != 0u) {
+      const float chance = randomAt(uvec2(pixel), history.tick, 1u).x;
+      imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(stored(light.rgb[0]), chance), packLight(stored(light.rgb[1]), chance), 0u, 0u));
+    }
     return;
   }
   vec3 radiance = modulated(pixel, light);

@@ -18,7 +18,7 @@ struct SurfaceTexel {
 
 SurfaceTexel readSurface(uint image, ivec2 pixel) {
   const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
-  return SurfaceTexel(surfaceNormal(texel.x), uintBitsToFloat(texel.y), surfaceInstance(texel.x));
+  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x));
 }
 
 // How alike two texels' geometry is, `pixels` apart on the screen [section 4.4, eq. 3 and 4]. `gradient`: of depth, metres a

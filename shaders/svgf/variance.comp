@@ -1,18 +1,21 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // SVGF's estimate of variance [Schied et al. 2017, section 4.2]: over time where there are ticks enough, over 7 x 7 neighbours of
-// like geometry where there are not.
+// like geometry where there are not. This tick's moments, which have waited, take the place of those of the tick before.
 #include "svgf/filter.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
+
+// The next tick goes on from the mean, before anything filters it.
+layout(constant_id = 0) const bool kKeepsMean = false;
 
 const float kEnoughTicks = 4.0;
 const int kRadius = 3;
 
 // Mean light and standard deviation of its luminance over the neighbours.
-vec4 overNeighbours(uint signal, ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
-  vec3 light = vec3(0.0);
-  vec2 moments = vec2(0.0);
+LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 samples) {
+  vec3 light[kSignals] = vec3[](vec3(0.0), vec3(0.0));
+  vec2 means = vec2(0.0), squares = vec2(0.0);
   float sum = 0.0;
   for (int y = -kRadius; y <= kRadius; ++y)
     for (int x = -kRadius; x <= kRadius; ++x) {
@@ -20,27 +23,37 @@ vec4 overNeighbours(uint signal, ivec2 pixel, SurfaceTexel here, float gradient,
       if (!inPicture(at)) continue;
       const SurfaceTexel there = readSurface(history.surface, at);
       const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(x, y)));
-      const vec3 c = imageLoad(images_rgba16f[filter_.source[signal]], at).rgb;
-      const float l = luminance(c);
-      light += w * c;
-      moments += w * vec2(l, l * l);
+      const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
+      const vec3 c[kSignals] = vec3[](unpackLight(packed_light.x), unpackLight(packed_light.y));
+      const vec2 l = vec2(luminance(c[0]), luminance(c[1]));
+      for (uint s = 0u; s < kSignals; ++s) light[s] += w * c[s];
+      means += w * l;
+      squares += w * l * l;
       sum += w;
     }
-  moments /= sum;
+  means /= sum;
   // The neighbours' means vary as this one does. The first ticks' estimate is widened, lest the filter trust it.
-  const float variance = max(0.0, moments.y - moments.x * moments.x) * kEnoughTicks / max(samples, 1.0);
-  return vec4(light / sum, sqrt(variance));
+  const vec2 variance = max(squares / sum - means * means, vec2(0.0)) * kEnoughTicks / max(samples, vec2(1.0));
+  return LobeLight(vec3[](light[0] / sum, light[1] / sum), sqrt(variance));
 }
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
   const SurfaceTexel here = readSurface(history.surface, pixel);
-  const vec2 samples = imageLoad(images_rg16f[history.samples], pixel).xy;
-  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
-  for (uint s = 0u; s < kSignals; ++s) {
-    vec4 light = imageLoad(images_rgba16f[filter_.source[s]], pixel);
-    if (here.depth > 0.0 && samples[s] < kEnoughTicks) light = overNeighbours(s, pixel, here, gradient, samples[s]);
-    imageStore(images_rgba16f[filter_.target[s]], pixel, vec4(stored(light.rgb), min(light.a, kMostStored)));
+  const uvec2 moments = imageLoad(images_rg32ui[history.spare], pixel).xy;
+  const vec2 samples = imageLoad(images_rg16f[history.spare_deviation], pixel).xy;
+  imageStore(images_rg32ui[history.moments], pixel, uvec4(moments, 0u, 0u));
+  imageStore(images_rg16f[history.samples], pixel, vec4(samples, 0.0, 0.0));
+  if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(imageLoad(images_rg32ui[filter_.source], pixel).xy, 0u, 0u));
+  LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
+  if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
+    const LobeLight around = overNeighbours(pixel, here, imageLoad(images_rgba16f[history.motion], pixel).w, samples);
+    for (uint s = 0u; s < kSignals; ++s) {
+      if (samples[s] >= kEnoughTicks) continue;
+      light.rgb[s] = around.rgb[s];
+      light.deviation[s] = around.deviation[s];
+    }
   }
+  writeLight(filter_.target, filter_.target_deviation, pixel, light, 0.5);
 }

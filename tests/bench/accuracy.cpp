@@ -10,11 +10,11 @@
 #include <numeric>
 
 #include "bench/accumulation.h"
+#include "bench/accuracy_path.h"
 #include "bench/device.h"
 #include "bench/files.h"
 #include "bench/flip.h"
 #include "bench/progress.h"
-#include "render/camera_frame.h"
 #include "stream/picture.h"
 
 namespace helio::bench {
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNotes =
     R"(Renders a converged reference, then each setting of each axis with everything else at its base: one path a pixel, three
-bounces, no denoiser. A run is --frames ticks from a view without a history; its last frame is judged. Errors are relative
+bounces, no denoiser. A run is --frames ticks from a view without a history, or behind a jump; its last frame is judged. Errors are relative
 MSE in linear radiance, apart into bias (what all runs share) and variance (what they do not), and SSIM and FLIP of the
 displayed picture. Writes accuracy.html, .csv and .json below --out.
 
@@ -34,8 +34,7 @@ Examples:
 
 constexpr uint32_t kSettlingTicks = 20, kTimedTicks = 16;
 constexpr uint32_t kSamplesForExposure = 16;
-constexpr double kEpsilon = 0.01;     // of relative errors, as in image.h
-constexpr float kFlightStep = 0.02f;  // metres a tick, sideways: a walk at 60 frames a second
+constexpr double kEpsilon = 0.01;  // of relative errors, as in image.h
 
 /// What all settings are measured against.
 struct Reference {
@@ -50,12 +49,16 @@ std::vector<uint8_t> displayed(const render::Pixels& pixels) {
   return {pixels.rgbx, pixels.rgbx + size_t{4} * pixels.width * pixels.height};
 }
 
+/// `exposure_ev`: nothing: what brings the mean to middle grey.
 Result<Reference> renderReference(render::Renderer& renderer, const scene::ScenePtr& scene,
-                                  const scene::NamedCamera& camera, const AccuracyOptions& options) {
+                                  const scene::NamedCamera& camera, const std::optional<float>& exposure_ev,
+                                  const AccuracyOptions& options) {
   render::ViewSettings settings = referenceSettings(options.width, options.height, options.reference_bounces);
   settings.roulette = true;  // unbiased, and bounces are many
   Reference reference;
-  {
+  if (exposure_ev) {
+    reference.exposure_ev = *exposure_ev;
+  } else {
     auto first = Accumulation::start(renderer, scene, camera, settings);
     if (!first) return first.error();
     if (auto grown = (*first)->growTo(kSamplesForExposure); !grown) return grown.error();
@@ -79,26 +82,10 @@ Result<Reference> renderReference(render::Renderer& renderer, const scene::Scene
   return reference;
 }
 
-/// Where the camera is `ticks` before the end of a run.
-scene::Camera cameraBefore(const scene::Camera& end, MotionKind motion, uint32_t ticks) {
-  scene::Camera camera = end;
-  if (motion == MotionKind::fly)
-    camera.position += static_cast<float>(ticks) * kFlightStep * render::cameraFrame(end).right;
-  return camera;
-}
-
-double luma(const uint8_t* p) { return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255.0; }
-
 std::vector<double> lumas(const std::vector<uint8_t>& pixels) {
   std::vector<double> values;
   for (size_t i = 0; i < pixels.size(); i += 4) values.push_back(luma(&pixels[i]));
   return values;
-}
-
-double meanChange(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  double sum = 0.0;
-  for (size_t i = 0; i < a.size(); i += 4) sum += std::abs(luma(&a[i]) - luma(&b[i]));
-  return sum / (static_cast<double>(a.size()) / 4.0);
 }
 
 /// FLIP as a picture: black, purple, orange, white.
@@ -112,6 +99,32 @@ std::vector<uint8_t> heat(const std::vector<float>& differences) {
     rgba.insert(rgba.end(), {static_cast<uint8_t>(c.r), static_cast<uint8_t>(c.g), static_cast<uint8_t>(c.b), 255});
   }
   return rgba;
+}
+
+/// What each frame of a run is measured against: in flight every frame has a reference of its own.
+struct References {
+  std::vector<Reference> frames;  // of the run's frames from the last backwards; one where the camera stands
+  MotionField motion;             // of the last frame
+  const Reference& last() const { return frames.front(); }
+  const Reference& of(uint32_t left) const { return frames[std::min<size_t>(left, frames.size() - 1)]; }
+};
+
+Result<References> renderReferences(render::Renderer& renderer, const scene::ScenePtr& scene,
+                                    const scene::NamedCamera& camera, const AccuracyOptions& options) {
+  References references;
+  const uint32_t frames = options.motion == MotionKind::fly ? options.frames : 1;
+  for (uint32_t left = 0; left < frames; ++left) {
+    scene::NamedCamera there = camera;
+    there.camera = cameraBefore(camera.camera, options.motion, left);
+    const std::optional<float> exposure = left > 0 ? std::optional<float>(references.last().exposure_ev) : std::nullopt;
+    auto reference = renderReference(renderer, scene, there, exposure, options);
+    if (!reference) return reference.error();
+    references.frames.push_back(std::move(*reference));
+  }
+  auto motion = motionOfLastFrame(renderer, scene, camera, options);
+  if (!motion) return motion.error();
+  references.motion = std::move(*motion);
+  return references;
 }
 
 Result<std::string> png(const std::vector<uint8_t>& rgba, const AccuracyOptions& options) {
@@ -141,7 +154,8 @@ class Times {
 
 Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::ScenePtr& scene,
                                      const scene::NamedCamera& camera, const AccuracySetting& setting,
-                                     const Reference& reference, const AccuracyOptions& options) {
+                                     const References& references, const AccuracyOptions& options) {
+  const Reference& reference = references.last();
   auto viewed = test::ViewedWorld::open(renderer, scene);
   if (!viewed) return viewed.error();
   if (auto lit = (*viewed)->setLight(camera.environment); !lit) return lit.error();
@@ -157,30 +171,33 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   Times times;
   std::vector<Image> last;
   double flicker = 0.0;
-  if (options.motion == MotionKind::still) point.recovery.resize(options.frames);
+  point.recovery.resize(options.frames);
   for (uint32_t run = 0; run < options.runs; ++run) {
     if (auto forgotten = (*viewed)->tick(camera.camera, forgetful, 0.0); !forgotten) return forgotten.error();
+    if (options.motion == MotionKind::jump)
+      for (uint32_t tick = 0; tick < kTicksElsewhere; ++tick)
+        if (auto shown = (*viewed)->tick(cameraElsewhere(camera.camera), view, 0.0); !shown) return shown.error();
     std::vector<uint8_t> before, now;
     for (uint32_t frame = 0; frame < options.frames; ++frame) {
       const uint32_t left = options.frames - 1 - frame;
       auto shown = (*viewed)->tick(cameraBefore(camera.camera, options.motion, left), view, 0.0);
       if (!shown) return shown.error();
       const Image image{options.width, options.height, shown->radiance};
-      if (!point.recovery.empty()) point.recovery[frame] += relativeMse(image, reference.image) / options.runs;
-      if (left <= 1) {
-        before = std::move(now);
-        now = displayed(*shown->pixels);
-      }
+      point.recovery[frame] += relativeMse(image, references.of(left).image) / options.runs;
+      before = std::move(now);
+      now = displayed(*shown->pixels);
+      if (run + 1 == options.runs)  // one run is enough for what is displayed: its pixels are many
+        point.ssim_along.push_back(ssim(lumas(now), lumas(references.of(left).pixels), options.width, options.height));
       if (left > 0) continue;
       last.push_back(image);
       const render::MemoryUse& memory = shown->stats.memory;
       point.memory_bytes = memory.raster + memory.ray_tracing + memory.path_tracing;
       point.history_bytes = shown->stats.history_bytes;
     }
-    if (!before.empty()) flicker += meanChange(before, now) / options.runs;
+    if (!before.empty())
+      flicker += meanChange(before, now, references.motion, options.width, options.height) / options.runs;
     if (run + 1 < options.runs) continue;
-    // One run is enough for what is displayed: its pixels are many.
-    point.ssim = ssim(lumas(now), lumas(reference.pixels), options.width, options.height);
+    point.ssim = point.ssim_along.back();
     const std::vector<float> differences =
         reference.seen->differences(SeenPicture(now.data(), options.width, options.height));
     point.flip = std::accumulate(differences.begin(), differences.end(), 0.0) / static_cast<double>(differences.size());
@@ -200,7 +217,7 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   }
   times.summariseInto(point);
   point.error = decompose(last, reference.image);
-  if (options.motion == MotionKind::still && options.frames > 1) point.flicker = flicker;
+  if (options.frames > 1) point.flicker = flicker;
   return point;
 }
 
@@ -229,8 +246,12 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   report.scene = (*scene)->name;
   report.camera = (*camera)->name;
   report.options = options;
-  auto reference = renderReference(**renderer, *scene, **camera, options);
-  if (!reference) return reference.error();
+  auto references = renderReferences(**renderer, *scene, **camera, options);
+  if (!references) return references.error();
+  const Reference* reference = &references->last();
+  if (references->frames.size() > 1)
+    report.reference_flicker =
+        meanChange(references->of(1).pixels, reference->pixels, references->motion, options.width, options.height);
   report.reference_noise = reference->noise;
   report.exposure_ev = static_cast<double>(reference->exposure_ev);
   auto reference_png = png(reference->pixels, options);
@@ -239,7 +260,7 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   {
     Progress progress("settings", settings.size());
     for (const AccuracySetting& setting : settings) {
-      auto point = measureSetting(**renderer, *scene, **camera, setting, *reference, options);
+      auto point = measureSetting(**renderer, *scene, **camera, setting, *references, options);
       if (!point) return point.error();
       report.points.push_back(std::move(*point));
       progress.step();
@@ -283,8 +304,9 @@ void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& 
   std::string axes = "all";
   for (const std::string& axis : accuracyAxes()) axes += ", " + axis;
   command.add_option("--axis", options->axes, "what to vary, any number of times: " + axes);
-  const std::map<std::string, MotionKind> motions{{"still", MotionKind::still}, {"fly", MotionKind::fly}};
-  command.add_option("--motion", options->motion, "of the camera during a run: still or fly")
+  const std::map<std::string, MotionKind> motions{
+      {"still", MotionKind::still}, {"fly", MotionKind::fly}, {"jump", MotionKind::jump}};
+  command.add_option("--motion", options->motion, "of the camera during a run: still, fly or jump")
       ->transform(CLI::CheckedTransformer(motions))
       ->default_str("still");
   command.add_option("--frames", options->frames, "of a run, the last of which is judged")

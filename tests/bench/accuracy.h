@@ -17,6 +17,7 @@ namespace helio::bench {
 enum class MotionKind {
   still,  ///< the camera stands; each run begins without a history
   fly,    ///< the camera comes sideways to where the reference looks from, and is there in a run's last frame
+  jump,   ///< the camera stood elsewhere and jumps: each run begins with a history of what is not to be seen
 };
 
 struct AccuracyOptions {
@@ -62,10 +63,13 @@ struct AccuracyPoint {
   std::vector<std::pair<std::string, Summary>> passes;  ///< ms by pass, in the order of the frame
   Decomposition error;
   double ssim = 0.0, flip = 0.0;  ///< of the last run
-  std::optional<double> flicker;  ///< mean change of displayed luma from frame to frame, [0, 1]; at rest
-  uint64_t memory_bytes = 0;      ///< all GPU memory while it ran
-  uint64_t history_bytes = 0;     ///< what the view keeps of the ticks before, and its denoiser
-  std::vector<double> recovery;   ///< relative MSE after 1, 2, ... frames of a run; at rest
+  /// Mean change of displayed luma from a run's last frame but one to its last, [0, 1]; in flight along the motion.
+  std::optional<double> flicker;
+  uint64_t memory_bytes = 0;   ///< all GPU memory while it ran
+  uint64_t history_bytes = 0;  ///< what the view keeps of the ticks before, and its denoiser
+  // After 1, 2, ... frames of a run, against the reference from where that frame looks.
+  std::vector<double> recovery;    ///< relative MSE, mean over runs
+  std::vector<double> ssim_along;  ///< of the last run
   std::string picture_png, error_png;
 };
 
@@ -73,8 +77,9 @@ struct AccuracyReport {
   Provenance provenance;
   std::string scene, camera;
   AccuracyOptions options;
-  double reference_noise = 0.0;  ///< relative MSE that the reference has from noise alone
-  double exposure_ev = 0.0;      ///< of all displayed pictures
+  std::optional<double> reference_flicker;  ///< the reference's own change along the motion, in flight
+  double reference_noise = 0.0;             ///< relative MSE that the reference has from noise alone
+  double exposure_ev = 0.0;                 ///< of all displayed pictures
   std::string reference_png;
   std::vector<AccuracyPoint> points;
 };

@@ -27,16 +27,6 @@ constexpr const char* kColours[] = {"#1f6fb2", "#d1811c", "#2f9266", "#b03a8c", 
 
 constexpr double kWidth = 960, kHeight = 460, kLeft = 64, kRight = 24, kTop = 20, kBottom = 46;
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  return out;
-}
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 std::string number(double value) { return fixed(value, 1); }
 
 /// A logarithmic axis over what there is, with room at both ends.
@@ -125,17 +115,17 @@ std::string figure(const std::string& png, const std::string& caption, uint32_t 
          "')\"></div><figcaption>" + escaped(caption) + "</figcaption></figure>";
 }
 
-std::string recoveryPlot(const std::vector<AccuracyPoint>& points) {
+std::string recoveryTable(const std::vector<AccuracyPoint>& points) {
   std::string rows;
   for (const AccuracyPoint& p : points) {
     if (p.recovery.size() < 2) continue;
     rows += "<tr><td>" + escaped(p.name) + "</td>";
     for (size_t frame = 1; frame <= p.recovery.size(); frame *= 2)
-      rows += "<td>" + shown(p.recovery[frame - 1]) + "</td>";
+      rows += "<td>" + shown(p.recovery[frame - 1]) + " &nbsp; " + fixed(p.ssim_along[frame - 1], 3) + "</td>";
     rows += "</tr>";
   }
   if (rows.empty()) return {};
-  std::string head = "<tr><th>relative MSE after frames from a cold start</th>";
+  std::string head = "<tr><th>relative MSE and SSIM of frame</th>";
   for (size_t frame = 1; frame <= points.front().recovery.size(); frame *= 2)
     head += "<th>" + std::to_string(frame) + "</th>";
   return "<table>" + head + "</tr>" + rows + "</table>";
@@ -155,7 +145,7 @@ std::string section(const std::vector<AccuracyPoint>& points, const AccuracyRepo
       html += "<td>" + cell + "</td>";
     html += "</tr>";
   }
-  html += "</table>" + recoveryPlot(points) + "<div class=pictures>" +
+  html += "</table>" + recoveryTable(points) + "<div class=pictures>" +
           figure(report.reference_png, "reference", report.options.width);
   for (const AccuracyPoint& p : points)
     html += figure(p.picture_png, p.name, report.options.width) +
@@ -182,8 +172,11 @@ std::string toHtml(const AccuracyReport& report) {
       "<!doctype html><html lang=en><meta charset=utf-8><title>What accuracy costs in time</title><style>" +
       std::string(kStyle) + "</style><h1>What accuracy costs in time</h1><p class=about>" +
       escaped(report.scene + ", camera " + report.camera) + ", " + std::to_string(o.width) + " × " +
-      std::to_string(o.height) + ", the camera " + (o.motion == MotionKind::still ? "stands still" : "flies past") +
-      ". Frame " + std::to_string(o.frames) + " of " + std::to_string(o.runs) + " runs from a cold start, against " +
+      std::to_string(o.height) + ", the camera " +
+      (o.motion == MotionKind::still ? "stands still"
+       : o.motion == MotionKind::fly ? "flies past"
+                                     : "has jumped") +
+      ". Frame " + std::to_string(o.frames) + " of " + std::to_string(o.runs) + " runs, against " +
       grouped(o.reference_samples) + " samples of " + std::to_string(o.reference_bounces) +
       " bounces, whose own noise is a relative MSE of " + shown(report.reference_noise) + ".</p><p class=about>" +
       escaped(report.provenance.device.name + " (" + report.provenance.device.driver + "), " + report.provenance.date +

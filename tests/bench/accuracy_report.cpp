@@ -7,13 +7,6 @@
 namespace helio::bench {
 namespace {
 
-/// Three digits that say something, whatever the size.
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string percent(double share) { return std::to_string(std::lround(100.0 * std::abs(share))) + " %"; }
 
 /// "costs 1.9 ms (+31 %)"
@@ -31,7 +24,9 @@ std::string gainOf(const AccuracyPoint& from, const AccuracyPoint& to) {
 
 }  // namespace
 
-const char* name(MotionKind motion) { return motion == MotionKind::still ? "still" : "fly"; }
+const char* name(MotionKind motion) {
+  return motion == MotionKind::still ? "still" : motion == MotionKind::fly ? "fly" : "jump";
+}
 
 std::vector<size_t> paretoFront(const std::vector<AccuracyPoint>& points) {
   std::vector<size_t> order(points.size());
@@ -70,6 +65,7 @@ Json toJson(const AccuracyReport& report) {
   json["frames"] = o.frames;
   json["runs"] = o.runs;
   json["exposure_ev"] = report.exposure_ev;
+  json["reference_flicker"] = report.reference_flicker ? Json(*report.reference_flicker) : Json();
   json["reference"] = {
       {"samples", o.reference_samples}, {"bounces", o.reference_bounces}, {"noise", report.reference_noise}};
   json["points"] = Json::array();
@@ -86,7 +82,8 @@ Json toJson(const AccuracyReport& report) {
                {"flicker", p.flicker ? Json(*p.flicker) : Json()},
                {"memory_bytes", p.memory_bytes},
                {"history_bytes", p.history_bytes},
-               {"recovery", p.recovery}};
+               {"recovery", p.recovery},
+               {"ssim_along", p.ssim_along}};
     for (const auto& [pass, ms] : p.passes) point["passes"][pass] = {{"median_ms", ms.median}, {"p95_ms", ms.p95}};
     json["points"].push_back(std::move(point));
   }
@@ -101,12 +98,14 @@ std::string toMarkdown(const AccuracyReport& report) {
                shown(p.error.bias), shown(p.error.variance), fixed(p.ssim, 3), fixed(p.flip, 3),
                p.flicker ? fixed(*p.flicker, 4) : "", megabytes(p.history_bytes)});
   const AccuracyOptions& o = report.options;
-  std::string text = markdown(report.provenance) + "- scene: " + report.scene + ", camera " + report.camera + ", " +
-                     std::to_string(o.width) + " x " + std::to_string(o.height) + ", " + name(o.motion) + ", frame " +
-                     std::to_string(o.frames) + " of " + std::to_string(o.runs) +
-                     " runs\n- reference: " + grouped(o.reference_samples) + " samples, " +
-                     std::to_string(o.reference_bounces) + " bounces, relative MSE from its own noise " +
-                     shown(report.reference_noise) + "\n\n" + table.markdown();
+  std::string text =
+      markdown(report.provenance) + "- scene: " + report.scene + ", camera " + report.camera + ", " +
+      std::to_string(o.width) + " x " + std::to_string(o.height) + ", " + name(o.motion) + ", frame " +
+      std::to_string(o.frames) + " of " + std::to_string(o.runs) +
+      " runs\n- reference: " + grouped(o.reference_samples) + " samples, " + std::to_string(o.reference_bounces) +
+      " bounces, relative MSE from its own noise " + shown(report.reference_noise) +
+      (report.reference_flicker ? ", flicker along the motion " + fixed(*report.reference_flicker, 4) : std::string()) +
+      "\n\n" + table.markdown();
   return text;
 }
 

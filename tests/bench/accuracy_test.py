@@ -15,7 +15,7 @@ PROGRAM = sys.argv.pop() if len(sys.argv) > 1 else ""
 SMALL = ["--instances", "1000", "--size", "32x18", "--frames", "2", "--runs", "2", "--reference-spp", "8",
          "--reference-bounces", "3"]
 POINT_KEYS = {"axis", "name", "frame_ms", "relmse", "bias", "variance", "ssim", "flip", "flicker", "memory_bytes",
-              "history_bytes", "recovery", "passes"}
+              "history_bytes", "recovery", "ssim_along", "passes"}
 
 
 def bench(*flags):
@@ -31,7 +31,7 @@ class Accuracy(unittest.TestCase):
             self.assertEqual(report, json.loads(Path(folder, "accuracy.json").read_text()))
             points = report["points"]
             self.assertEqual([(p["axis"], p["name"]) for p in points],
-                             [("denoiser", n) for n in ("none", "average", "svgf")] + [("bounces", n) for n in "01235"])
+                             [("denoiser", n) for n in ("none", "average", "svgf", "asvgf")] + [("bounces", n) for n in "01235"])
             for point in points:
                 self.assertLessEqual(POINT_KEYS, set(point))
                 self.assertGreater(point["relmse"], 0)
@@ -40,7 +40,11 @@ class Accuracy(unittest.TestCase):
                 self.assertTrue(0 <= point["flip"] <= 1)
                 self.assertEqual(len(point["recovery"]), 2)
                 self.assertAlmostEqual(point["recovery"][-1], point["relmse"], places=9)
-            none, _, svgf = points[:3]
+                self.assertEqual(len(point["ssim_along"]), 2)
+                self.assertEqual(point["ssim_along"][-1], point["ssim"])
+            none, _, svgf, asvgf = points[:4]
+            self.assertIn("asvgf_gradient", asvgf["passes"])
+            self.assertIsNone(report["reference_flicker"])
             self.assertEqual(none["history_bytes"], 0)
             self.assertGreater(svgf["history_bytes"], 0)
             self.assertIn("svgf_atrous", svgf["passes"])
@@ -58,9 +62,26 @@ class Accuracy(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             done = bench("--axis", "roulette", "--motion", "fly", "--out", folder, "--json")
             self.assertEqual(done.returncode, 0, done.stderr)
-            for point in json.loads(done.stdout)["points"]:
-                self.assertIsNone(point["flicker"])
-                self.assertEqual(point["recovery"], [])
+            report = json.loads(done.stdout)
+            self.assertGreater(report["reference_flicker"], 0)
+            for point in report["points"]:
+                # One noisy sample a pixel changes more from frame to frame than the references do.
+                self.assertGreater(point["flicker"], report["reference_flicker"])
+                self.assertEqual(len(point["recovery"]), 2)
+                self.assertEqual(len(point["ssim_along"]), 2)
+
+    def test_after_a_jump_the_first_frame_is_the_worst(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = bench("--axis", "taa", "--motion", "jump", "--frames", "8", "--out", folder, "--json")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report = json.loads(done.stdout)
+            self.assertEqual(report["motion"], "jump")
+            off, on, svgf, svgf_taa, asvgf_taa = report["points"]
+            self.assertIn("taa", on["passes"])
+            self.assertNotIn("taa", off["passes"])
+            for point in (svgf_taa, asvgf_taa):
+                self.assertLess(point["recovery"][-1], point["recovery"][0])
+                self.assertGreater(point["ssim_along"][-1], point["ssim_along"][0])
 
     def test_refuses_what_it_does_not_know(self):
         done = bench("--axis", "wishes")

@@ -91,6 +91,18 @@ std::string fixed(double value, int digits) {
   return text;
 }
 
+std::string shown(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+  return out;
+}
+
 std::string grouped(uint64_t value) {
   std::string text = std::to_string(value);
   for (size_t end = text.size(); end > 3; end -= 3) text.insert(end - 3, ",");

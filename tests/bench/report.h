@@ -46,6 +46,10 @@ class Table {
 
 /// With so many digits after the point.
 std::string fixed(double value, int digits);
+/// With three digits that say something, whatever the size.
+std::string shown(double value);
+/// As text of an HTML page.
+std::string escaped(const std::string& text);
 /// 1,234,567
 std::string grouped(uint64_t value);
 /// Bytes in MB (10^6).

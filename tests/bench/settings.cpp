@@ -24,6 +24,7 @@ const std::map<std::string, Setter>& setters() {
                                           {"regularisation", into(&S::regularisation)},
                                           {"path_launches", into(&S::path_launches)},
                                           {"sun_shadow", into(&S::sun_shadow)},
+                                          {"taa", into(&S::taa)},
                                           {"shadow_map_size", into(&S::shadow_map_size)},
                                           {"levels_of_detail", into(&S::levels_of_detail)}};
     for (const render::LightSwitch& each : render::kLightSwitches) setters[each.name] = into(each.field);

@@ -27,19 +27,6 @@ constexpr double kWidth = 296, kHeight = 190, kLeft = 42, kRight = 8, kTop = 8, 
 constexpr double kLowest = -7, kHighest = 1;  // decades of the error axis
 constexpr double kLimit = 0.01;
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-  return out;
-}
-
-/// Few digits, whatever the size.
-std::string shown(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
 std::string difficulty(const StabilityCase& c, size_t i) {
   return c.variants ? "kind " + std::to_string(i)
          : i == 0   ? "1×"

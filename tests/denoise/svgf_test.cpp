@@ -1,11 +1,10 @@
 // Light by lobe adds up to the picture, and what SVGF makes of it is near the truth, whatever happens to camera and
 // world.
-#include <cmath>
+#include <algorithm>
 #include <functional>
 
+#include "denoise/pictures.h"
 #include "support/likeness.h"
-#include "support/scenes.h"
-#include "support/stage.h"
 
 namespace helio::test {
 namespace {
@@ -14,45 +13,7 @@ using render::Denoiser;
 using render::Inspect;
 using render::Primary;
 
-constexpr uint32_t kWidth = 96, kHeight = 54;
 const scene::Camera kCamera = lookAt({0.4f, 1.6f, 4.2f}, {0, 0.6f, 0});
-
-render::ViewSettings live(Denoiser denoiser, Primary primary = Primary::traced) {
-  render::ViewSettings settings;
-  settings.width = kWidth;
-  settings.height = kHeight;
-  settings.primary = primary;
-  settings.denoiser = denoiser;
-  settings.auto_exposure = false;
-  settings.keep_radiance = true;
-  settings.accumulate = false;
-  return settings;
-}
-
-/// Mean over pixels and channels of (a - b)^2 / (b^2 + 0.01).
-double relativeMse(const render::Frame& a, const render::Frame& b) {
-  double sum = 0.0;
-  for (size_t i = 0; i < a.radiance.size(); ++i) {
-    const double value = static_cast<double>(b.radiance[i]), difference = static_cast<double>(a.radiance[i]) - value;
-    sum += difference * difference / (value * value + 0.01);
-  }
-  return sum / static_cast<double>(a.radiance.size());
-}
-
-size_t brokenTexels(const render::Frame& frame) {
-  size_t count = 0;
-  for (const float value : frame.radiance) count += !std::isfinite(value) || value < 0.0f;
-  return count;
-}
-
-render::Frame truth(const scene::ScenePtr& scene, const scene::Camera& camera) {
-  Stage stage(scene);
-  render::ViewSettings settings = referenceSettings(kWidth, kHeight);
-  settings.bounces = 3;
-  settings.samples = 64;
-  settings.roulette = true;
-  return stage.accumulate(camera, settings, 12);
-}
 
 TEST(Split, LightByLobeTimesAlbedosAddsUpToThePicture) {
   for (const scene::ScenePtr& scene : {stillLife(), lampRoom(), sunlitPatch()}) {
@@ -65,8 +26,12 @@ TEST(Split, LightByLobeTimesAlbedosAddsUpToThePicture) {
       settings.inspect = Inspect::unfiltered;
       const render::Frame found = apart.tick(kCamera, settings);
       size_t wrong = 0;
-      for (size_t i = 0; i < expected.radiance.size(); ++i)  // each part is rounded to 11 bits, some thrice
-        wrong += !(std::abs(found.radiance[i] - expected.radiance[i]) <= 3e-3f * expected.radiance[i] + 1e-5f);
+      for (size_t i = 0; i < expected.radiance.size(); ++i) {
+        // Each part is rounded to 9 bits of its largest channel, some thrice.
+        const float* pixel = &expected.radiance[i / 3 * 3];
+        const float largest = std::max({pixel[0], pixel[1], pixel[2]});
+        wrong += !(std::abs(found.radiance[i] - expected.radiance[i]) <= 8e-3f * largest + 1e-5f);
+      }
       // Variants of a shader round differently: some path somewhere decides differently.
       EXPECT_LE(wrong, expected.radiance.size() / 1000) << samples << " samples a tick";
     }
@@ -142,9 +107,14 @@ TEST(Svgf, APictureThatStandsStillConverges) {
             5e-3);  // the test can see what filters leave
 }
 
-TEST(Svgf, WhatIsBrokenInTheHistoryDoesNotSpread) {
+/// Both denoisers must bear what is done to histories.
+class Histories : public testing::TestWithParam<Denoiser> {};
+INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Denoiser::asvgf),
+                         [](const auto& p) { return p.param == Denoiser::svgf ? "svgf" : "asvgf"; });
+
+TEST_P(Histories, WhatIsBrokenInThemDoesNotSpread) {
   Stage stage(lampRoom());
-  render::ViewSettings settings = live(Denoiser::svgf);
+  render::ViewSettings settings = live(GetParam());
   const render::Frame before = stage.accumulate(kCamera, settings, 6);
   settings.poison_history = true;
   const render::Frame after = stage.tick(kCamera, settings);
@@ -173,7 +143,7 @@ TEST(Svgf, GathersSamplesAlongTheMotionOfTheCamera) {
   EXPECT_GT(static_cast<double>(followed), 0.85 * static_cast<double>(surfaces));
 }
 
-TEST(Svgf, HardHistoriesLeaveNumbers) {
+TEST_P(Histories, HardOnesLeaveNumbers) {
   struct Change {
     const char* name;
     std::function<void(Stage&, scene::Camera&, render::ViewSettings&)> make;
@@ -197,12 +167,14 @@ TEST(Svgf, HardHistoriesLeaveNumbers) {
       {"off and on", [](Stage& stage, scene::Camera& camera, render::ViewSettings& settings) {
          render::ViewSettings off = settings;
          off.denoiser = Denoiser::none;
+         off.taa = false;
          EXPECT_EQ(stage.tick(camera, off).stats.history_bytes, 0u);
        }}};
   for (const Change& change : changes) {
     Stage stage(lampRoom());
     scene::Camera camera = kCamera;
-    render::ViewSettings settings = live(Denoiser::svgf);
+    render::ViewSettings settings = live(GetParam());
+    settings.taa = true;
     const render::Frame before = stage.accumulate(camera, settings, 4);
     change.make(stage, camera, settings);
     for (int tick = 0; tick < 2; ++tick) {
@@ -243,9 +215,11 @@ TEST(Svgf, CostsNothingUnlessAskedForAndRepeatsItself) {
     EXPECT_TRUE(recorded(frame, "svgf_atrous"));
     if (run == 0) first = bytes(frame);
     else EXPECT_EQ(bytes(frame), first);
+    // At 1920 x 1080; ReBLUR as published takes between 148 and 169 MB.
+    EXPECT_LE(static_cast<double>(frame.stats.history_bytes) / (kPictureWidth * kPictureHeight) * 1920 * 1080, 169e6);
     std::printf("SVGF keeps %.1f bytes a pixel, %.0f MB at 1920 x 1080\n",
-                static_cast<double>(frame.stats.history_bytes) / (kWidth * kHeight),
-                static_cast<double>(frame.stats.history_bytes) / (kWidth * kHeight) * 1920 * 1080 * 1e-6);
+                static_cast<double>(frame.stats.history_bytes) / (kPictureWidth * kPictureHeight),
+                static_cast<double>(frame.stats.history_bytes) / (kPictureWidth * kPictureHeight) * 1920 * 1080 * 1e-6);
   }
   render::ViewSettings wrong = live(Denoiser::none);
   wrong.inspect = Inspect::diffuse;

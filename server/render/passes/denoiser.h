@@ -8,9 +8,12 @@ namespace helio::render {
 class DenoiserPasses {
  public:
   virtual ~DenoiserPasses() = default;
+  /// Ahead of the pass `path_trace`, which may be told what to sample.
+  virtual void addAhead(const ViewPass& /*pass*/) const {}
   /// From the light by lobe and what the view keeps of the ticks before (render/histories.h) to the image `radiance`.
-  /// `last`: push constants behind the samples.
-  virtual void add(const ViewPass& pass, const shared::SampleConstants& last) const = 0;
+  /// `sample`: push constants of the tick's last sample; `last`: of what stands behind the samples.
+  virtual void add(const ViewPass& pass, const shared::SampleConstants& sample,
+                   const shared::SampleConstants& last) const = 0;
 };
 
 }  // namespace helio::render

@@ -22,9 +22,9 @@ void InspectPass::add(const ViewPass& pass, const shared::SampleConstants& sampl
                   {pass.instances, gpu::use::compute_read},
                   {&view.constants, gpu::use::compute_read},
                   {&h.motion, gpu::use::compute_read},
-                  {&h.diffuse, gpu::use::compute_read},
-                  {&h.filtered[0], gpu::use::compute_read},
-                  {&h.moments(), gpu::use::compute_read},
+                  {&h.sampled, gpu::use::compute_read},
+                  {&h.filtered, gpu::use::compute_read},
+                  {&h.moments, gpu::use::compute_read},
                   {&view.radiance, gpu::use::compute_write}},
                  [&pipeline, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline);

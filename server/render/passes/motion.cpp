@@ -8,6 +8,8 @@ void Motion::add(const ViewPass& pass, const shared::SampleConstants& sample) co
                  {{&view.visibility, gpu::use::compute_read},
                   {pass.instances, gpu::use::compute_read},
                   {&view.constants, gpu::use::compute_read},
+                  {&view.histories.surface(), gpu::use::compute_read},
+                  {&view.histories.spare, gpu::use::compute_read},
                   {&view.histories.motion, gpu::use::compute_write}},
                  [this, &view, sample](gpu::Commands& commands) {
                    commands.bind(pipeline_);

@@ -13,7 +13,8 @@ namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
                  kMultipleScatteringConstant = 42, kManyLampsConstant = 43, kSunShadowConstant = 44,
-                 kCountHitsConstant = 45, kSplitConstant = 46, kAnyHitBoxesConstant = 49, kConstants = 50;
+                 kCountHitsConstant = 45, kSplitConstant = 46, kReshadesConstant = 48, kAnyHitBoxesConstant = 49,
+                 kConstants = 50;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -73,6 +74,7 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kCountHitsConstant] = count_hits;
   constants[kAnyHitBoxesConstant] = any_hit_boxes;
   constants[kSplitConstant] = splitsLight(settings) && !log_rays;
+  constants[kReshadesConstant] = settings.denoiser == Denoiser::asvgf && !log_rays;
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
@@ -129,8 +131,10 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                                {&view.radiance, gpu::use::ray_write},
                                {&view.path_info, kPathUse},
                                // Light by lobe, and the surfaces that belong to it.
-                               {&view.histories.diffuse, gpu::use::ray_write},
+                               {&view.histories.sampled, gpu::use::ray_write},
+                               {&view.histories.spare, gpu::use::ray_write},
                                {&view.histories.surface(), gpu::use::ray_write},
+                               {&view.histories.claims, gpu::use::ray_read},
                                {&view.state, gpu::use::ray_write}};
   if (pass.hits) accesses.push_back({pass.hits, gpu::use::ray_write});
   pass.graph.add("path_trace", pass.owner, std::move(accesses),

@@ -1,6 +1,5 @@
 // Passes `svgf_temporal`, `svgf_variance` and `svgf_atrous`: spatiotemporal variance-guided filtering [Schied et al.
-// 2017], over diffuse and specular light apart. What the first iteration of the filter makes is what the next tick goes
-// on from, as published.
+// 2017], over diffuse and specular light apart.
 #pragma once
 
 #include <array>
@@ -10,12 +9,20 @@
 
 namespace helio::render {
 
+/// What the next tick goes on from.
+enum class Feedback {
+  filtered,    ///< what the first iteration of the filter makes, as published
+  integrated,  ///< the mean over ticks alone: nothing that was filtered. The mean heeds gradients [Schied et al. 2018]
+};
+
 class Svgf : public DenoiserPasses {
  public:
-  explicit Svgf(gpu::Device& device);
-  void add(const ViewPass& pass, const shared::SampleConstants& last) const override;
+  explicit Svgf(gpu::Device& device, Feedback feedback = Feedback::filtered);
+  void add(const ViewPass& pass, const shared::SampleConstants& sample,
+           const shared::SampleConstants& last) const override;
 
  private:
+  Feedback feedback_;
   gpu::ComputePipeline temporal_, variance_;
   std::array<gpu::ComputePipeline, 2> atrous_;  // an iteration; the last one, which makes the picture
 };

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "bench/accuracy.h"
+#include "bench/accuracy_path.h"
 #include "bench/flip.h"
 
 namespace helio::bench {
@@ -147,6 +148,33 @@ TEST(Accuracy, ThePageNeedsNoOtherFile) {
   const std::string csv = toCsv(report);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
   EXPECT_EQ(toJson(report)["points"][1]["relmse"], 0.345);
+}
+
+TEST(Accuracy, ChangeAlongTheMotionIsOfWhatDoesNotMove) {
+  // A pattern that moves by 3 pixels to the right and 2 down, and another by a half: linear, so that reading between pixels is exact.
+  const auto picture = [](float x0, float y0) {
+    std::vector<uint8_t> pixels;
+    for (uint32_t y = 0; y < kHeight; ++y)
+      for (uint32_t x = 0; x < kWidth; ++x) {
+        const auto value = static_cast<uint8_t>(
+            std::lround(2.0f * (static_cast<float>(x) - x0) + 1.0f * (static_cast<float>(y) - y0) + 20.0f));
+        pixels.insert(pixels.end(), {value, value, value, 255});
+      }
+    return pixels;
+  };
+  const auto field = [](float x, float y) { return MotionField(size_t{kWidth} * kHeight, glm::vec2(x, y)); };
+  EXPECT_NEAR(meanChange(picture(0, 0), picture(3, 2), field(-3, -2), kWidth, kHeight), 0.0, 1e-9);
+  EXPECT_NEAR(meanChange(picture(0, 0), picture(0.5f, 0), field(-0.5f, 0), kWidth, kHeight), 0.0, 1e-6);
+  EXPECT_NEAR(meanChange(picture(0, 0), picture(3, 2), field(0, 0), kWidth, kHeight), 8.0 / 255.0, 1e-6);
+  EXPECT_EQ(meanChange(picture(0, 0), picture(3, 2), field(1000, 0), kWidth, kHeight), 0.0);  // nothing was in the picture
+}
+
+TEST(Accuracy, AFlightEndsWhereItIsAskedFor) {
+  const scene::Camera end{{1, 2, 3}, {0, 0, -1}, {0, 1, 0}, 0.8f};
+  EXPECT_EQ(cameraBefore(end, MotionKind::fly, 0).position, end.position);
+  EXPECT_NEAR(glm::distance(cameraBefore(end, MotionKind::fly, 8).position, end.position), 0.16f, 1e-5f);
+  EXPECT_EQ(cameraBefore(end, MotionKind::jump, 8).position, end.position);
+  EXPECT_GT(glm::distance(cameraElsewhere(end).position, end.position), 25.0f);  // what the renderer calls a jump
 }
 
 }  // namespace
