@@ -13,7 +13,7 @@ vec3 position(uvec2 pixel, bool before) {
   Hit hit = seenHit(pixel);
   if (hit.primitive == kNothing) return vec3(0.0);
   const InstanceRecord instance = InstanceTable(frame.instances).items[hit.slot];
-  const Triangle t = seenTriangle(hit, instance, frame.position, cameraDirection(pixel));
+  const Triangle t = seenTriangle(hit, instance, cameraDirection(pixel));
   const vec3 w = weights(hit);
   return before ? positionBefore(hit.slot, instance, t, w) : t.p[0] * w.x + t.p[1] * w.y + t.p[2] * w.z;
 }

@@ -19,6 +19,8 @@ Triangle seenTriangle(inout Hit hit, InstanceRecord instance, vec3 origin, vec3 
   return t;
 }
 
+Triangle seenTriangle(inout Hit hit, InstanceRecord instance, vec3 direction) { return seenTriangle(hit, instance, frame.position, direction); }
+
 vec3 weights(Hit hit) { return vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics); }
 
 #endif

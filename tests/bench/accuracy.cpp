@@ -24,9 +24,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kNotes =
     R"(Renders a converged reference, then each setting of each axis with everything else at its base: one path a pixel, three
-bounces, no denoiser. A run is --frames ticks from a view without a history, or behind a jump; its last frame is judged. Errors are relative
-MSE in linear radiance, apart into bias (what all runs share) and variance (what they do not), and SSIM and FLIP of the
-displayed picture. Writes accuracy.html, .csv and .json below --out.
+bounces, no denoiser. A run is --frames ticks from a view without a history, or behind a jump; its last frame is judged.
+Errors are relative MSE in linear radiance, apart into bias (what all runs share) and variance (what they do not), and SSIM
+and FLIP of the displayed picture. Writes accuracy.html, .csv and .json below --out.
 
 Examples:
   helio-bench accuracy --size 160x90 --axis spp --axis denoiser
