@@ -12,12 +12,14 @@ namespace {
 constexpr float kCutMetres = shared::kCellMetres;  // in one tick: no flight, a jump
 constexpr float kCutCosine = 0.8f;                 // of the turn of a frustum's side
 
+/// A sight is a frustum with a margin of the volume's radius on all sides: what stands beside a picture lights it and
+/// casts shadows into it.
 bool touches(const shared::CullVolume& volume, const glm::vec3& centre, float radius) {
-  return glm::distance(centre, volume.position) < volume.radius + radius || inFrustum(volume, centre, radius);
+  return inFrustum(volume, centre, radius + volume.radius);
 }
 
 bool contains(const shared::CullVolume& volume, const glm::vec3& centre, float radius) {
-  return inFrustum(volume, centre, -radius);
+  return inFrustum(volume, centre, volume.radius - radius);
 }
 
 bool same(const shared::CullVolume& a, const shared::CullVolume& b) { return std::memcmp(&a, &b, sizeof a) == 0; }

@@ -23,7 +23,7 @@ struct LipacSettings {
   uint32_t frames_below = 15;     ///< n_d, [1, 15]
   /// Latency mitigation: what comes into a viewer's sight is in the TLAS in the same tick, for its hits to confirm.
   bool mitigation = true;
-  float sight_radius = 32.0f;    ///< metres around a viewer, beside its frustum; [0, 1e6]
+  float sight_radius = 32.0f;    ///< metres: the margin of a viewer's frustum; [0, 1e6]
   uint32_t sight_blocks = 1024;  ///< blocks of 64 instances that a tick may look into; [1, 1,000,000]
   /// Of a picture with more paths than this only so many count, in tiles and in turn; [1024, 16,777,216].
   uint32_t counted_paths = 262'144;

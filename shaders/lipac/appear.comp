@@ -8,11 +8,11 @@ layout(local_size_x = kLipacGroup) in;
 layout(buffer_reference, scalar) readonly buffer SightTable { LipacSight items[]; };
 layout(buffer_reference, scalar) readonly buffer VolumeTable { CullVolume items[]; };
 
+// A frustum with a margin.
 bool touches(uint index, Placed placed) {
   const CullVolume volume = VolumeTable(lipac.volumes).items[index];
   const vec3 relative = placed.centre - volume.position;
-  const float radius = length(placed.half_extent);
-  if (length(relative) < volume.radius + radius) return true;
+  const float radius = volume.radius + length(placed.half_extent);
   for (int i = 0; i < 4; ++i)
     if (dot(volume.sides[i], relative) <= -radius) return false;
   return true;
