@@ -89,7 +89,7 @@ struct ViewSettings {
   bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
                                  ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
-  CullingView culling_view = CullingView::none;  ///< not in reference mode
+  CullingView culling_view = CullingView::none;         ///< not in reference mode
   Denoiser denoiser = Denoiser::none;
   bool taa = false;  ///< temporal anti-aliasing: ticks look at different points of the pixels; not in reference mode
   Inspect inspect = Inspect::nothing;  ///< not in reference mode
@@ -191,8 +191,8 @@ struct FrameStats {
   uint32_t tlas_instances = 0;
   uint64_t triangles_drawn = 0;   ///< rasterised for primary hits
   uint64_t shadow_triangles = 0;  ///< rasterised for the sun's shadow map, all cascades together
-  double exposure = 1.0;         ///< factor on radiance
-  uint64_t history_bytes = 0;    ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
+  double exposure = 1.0;          ///< factor on radiance
+  uint64_t history_bytes = 0;     ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
   MemoryUse memory;
   AccelerationUse acceleration;
   std::optional<accel::LipacFigures> lipac;  ///< when light path guided culling decided about this tick
@@ -241,10 +241,10 @@ struct CullingSettings {
 
 /// What light path guided culling made of an instance in the last tick.
 struct CulledInstance {
-  uint32_t state = 0;    ///< kState... (shaders/shared/lipac.h)
-  bool traced = false;   ///< it was in that tick's TLAS
-  bool always = false;   ///< it is too large to be culled
-  double hits = 0.0;     ///< smoothed, a tick of 1920 x 1080 paths
+  uint32_t state = 0;   ///< kState... (shaders/shared/lipac.h)
+  bool traced = false;  ///< it was in that tick's TLAS
+  bool always = false;  ///< it is too large to be culled
+  double hits = 0.0;    ///< smoothed, a tick of 1920 x 1080 paths
 };
 
 /// Thread-safe: different worlds may be ticked from different threads (they share the device's queue); one world from
@@ -288,8 +288,8 @@ struct RendererOptions {
   bool strict_validation = false;    ///< tests: a validation error makes the next tick fail
   std::optional<bool> builds_aside;  ///< acceleration structures are built beside what is rasterised; default: where
                                      ///< the device has a queue for it (without one, both take turns on one queue)
-  bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one: to measure what the batch saves
-  Culling culling = Culling::full;  ///< with which worlds begin
+  bool one_call_a_blas = false;      ///< BLASes of instances' own are built one by one: to measure what the batch saves
+  Culling culling = Culling::full;   ///< with which worlds begin
   CullingSettings culling_settings;
   bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };

@@ -176,11 +176,11 @@ shared::SampleConstants View::finalConstants() const {
   constants_.adaptation = jumped_ || settings_.mode == Mode::reference ? 1.0f : kAdaptation;
   constants_.auto_exposure = settings_.auto_exposure;
   constants_.source = shown().slot();
-  constants_.curve = showsNumbers(settings_.inspect)       ? shared::kCurveSigned
+  constants_.curve = showsNumbers(settings_.inspect)               ? shared::kCurveSigned
                      : settings_.culling_view != CullingView::none ? shared::kCurveColor
-                     : !showsProperty(settings_.materials) ? shared::kCurveTone
-                     : showsColor(settings_.materials)     ? shared::kCurveColor
-                                                           : shared::kCurveNone;
+                     : !showsProperty(settings_.materials)         ? shared::kCurveTone
+                     : showsColor(settings_.materials)             ? shared::kCurveColor
+                                                                   : shared::kCurveNone;
   return constants_;
 }
 
