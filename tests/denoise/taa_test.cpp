@@ -40,12 +40,10 @@ TEST(Taa, EdgesAtRestAreAsSmoothAsTheTruth) {
     for (int tick = 1; tick <= 24; ++tick) {
       frame = averaged.tick(kCamera, antialiased(Denoiser::none, primary));
       const double error = relativeMse(frame, reference);
-      if (tick == 1) {
-        EXPECT_GT(error, 0.3 * jagged);
-      }
+      if (tick == 1) { EXPECT_GT(error, 0.3 * jagged); }
       if (tick == 8 || tick == 24) {
         std::printf("tick %d: relative MSE %.5f of %.5f (1/%.0f)\n", tick, error, jagged, jagged / error);
-        EXPECT_LT(error, jagged / 8.0) << "tick " << tick;
+        EXPECT_LT(error, jagged / (tick == 8 ? 4.0 : 16.0)) << "tick " << tick;
       }
     }
     EXPECT_EQ(brokenTexels(frame), 0u);
@@ -67,7 +65,7 @@ TEST(Taa, StaysSharpWhileTheCameraMoves) {
   }
   std::printf("relative MSE in flight: %.5f, without %.5f\n", relativeMse(with, reference),
               relativeMse(without, reference));
-  EXPECT_LT(relativeMse(with, reference), 0.6 * relativeMse(without, reference));
+  EXPECT_LT(relativeMse(with, reference), 0.75 * relativeMse(without, reference));
   showPicture(with, "taa_flight");
 }
 

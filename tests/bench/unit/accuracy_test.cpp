@@ -151,7 +151,8 @@ TEST(Accuracy, ThePageNeedsNoOtherFile) {
 }
 
 TEST(Accuracy, ChangeAlongTheMotionIsOfWhatDoesNotMove) {
-  // A pattern that moves by 3 pixels to the right and 2 down, and another by a half: linear, so that reading between pixels is exact.
+  // A pattern that moves by 3 pixels to the right and 2 down, and another by a half: linear, so that reading between
+  // pixels is exact.
   const auto picture = [](float x0, float y0) {
     std::vector<uint8_t> pixels;
     for (uint32_t y = 0; y < kHeight; ++y)
@@ -166,7 +167,8 @@ TEST(Accuracy, ChangeAlongTheMotionIsOfWhatDoesNotMove) {
   EXPECT_NEAR(meanChange(picture(0, 0), picture(3, 2), field(-3, -2), kWidth, kHeight), 0.0, 1e-9);
   EXPECT_NEAR(meanChange(picture(0, 0), picture(0.5f, 0), field(-0.5f, 0), kWidth, kHeight), 0.0, 1e-6);
   EXPECT_NEAR(meanChange(picture(0, 0), picture(3, 2), field(0, 0), kWidth, kHeight), 8.0 / 255.0, 1e-6);
-  EXPECT_EQ(meanChange(picture(0, 0), picture(3, 2), field(1000, 0), kWidth, kHeight), 0.0);  // nothing was in the picture
+  EXPECT_EQ(meanChange(picture(0, 0), picture(3, 2), field(1000, 0), kWidth, kHeight),
+            0.0);  // nothing was in the picture
 }
 
 TEST(Accuracy, AFlightEndsWhereItIsAskedFor) {
