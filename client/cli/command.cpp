@@ -94,6 +94,9 @@ void addApproximations(CLI::App& command, Approximations& chosen) {
          "hybrid mode: numbers in the picture's place: motion, position, before, unfiltered; with a denoiser diffuse, "
          "specular, samples",
          render::namesOf(render::kInspects));
+  choice("--culling-view", chosen.culling_view,
+         "hybrid mode: light path guided culling in the picture's place: states, hitboxes, untraced, rays, above",
+         render::namesOf(render::kCullingViews));
 }
 
 v1::Approximations Approximations::toWire() const {
@@ -107,12 +110,17 @@ v1::Approximations Approximations::toWire() const {
 
 v1::Inspect Approximations::inspectOnWire() const { return onWire<v1::Inspect>("INSPECT_", inspect); }
 
+v1::CullingView Approximations::cullingViewOnWire() const {
+  return onWire<v1::CullingView>("CULLING_VIEW_", culling_view);
+}
+
 void Approximations::put(render::ViewSettings& settings) const {
   settings.sun_shadow = *render::byName(render::kSunShadows, sun_shadow);
   settings.shadow_map_size = shadow_map_size;
   settings.levels_of_detail = levels_of_detail;
   settings.denoiser = *render::byName(render::kDenoisers, denoiser);
   settings.inspect = *render::byName(render::kInspects, inspect);
+  settings.culling_view = *render::byName(render::kCullingViews, culling_view);
 }
 
 void print(const Json& document) { std::cout << document.dump(2) << "\n"; }

@@ -56,9 +56,10 @@ v1::MaterialOverride parseMaterials(const std::string& text);
 /// unset.
 void addLightTransport(CLI::App& command, v1::LightTransport& light);
 
-/// Approximations of hybrid mode, and numbers in the picture's place, as command lines name them (render/choices.h).
+/// Approximations of hybrid mode, and what is shown in the picture's place, as command lines name them
+/// (render/choices.h).
 struct Approximations {
-  std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing";
+  std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing", culling_view = "none";
   uint32_t shadow_map_size = 2048;
   bool levels_of_detail = true;
 
@@ -67,6 +68,7 @@ struct Approximations {
   void put(Message& message) const {
     *message.mutable_approximations() = toWire();
     message.set_inspect(inspectOnWire());
+    message.set_culling_view(cullingViewOnWire());
   }
   /// For this process's own renderer.
   void put(render::ViewSettings& settings) const;
@@ -74,6 +76,7 @@ struct Approximations {
  private:
   v1::Approximations toWire() const;
   v1::Inspect inspectOnWire() const;
+  v1::CullingView cullingViewOnWire() const;
 };
 void addApproximations(CLI::App& command, Approximations& approximations);
 

@@ -43,6 +43,11 @@ inline constexpr Choice<Inspect> kInspects[] = {
     {"specular", Inspect::specular}, {"samples", Inspect::samples},
 };
 
+inline constexpr Choice<CullingView> kCullingViews[] = {
+    {"none", CullingView::none},         {"states", CullingView::states}, {"hitboxes", CullingView::hitboxes},
+    {"untraced", CullingView::untraced}, {"rays", CullingView::rays},     {"above", CullingView::above},
+};
+
 template <typename Value, size_t N>
 std::vector<std::string> namesOf(const Choice<Value> (&choices)[N]) {
   std::vector<std::string> names;

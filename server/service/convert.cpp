@@ -116,6 +116,8 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
       !ok)
     return ok.error();
   if (auto ok = choose(name + ".inspect", message.inspect(), render::kInspects, view.inspect); !ok) return ok.error();
+  if (auto ok = choose(name + ".culling_view", message.culling_view(), render::kCullingViews, view.culling_view); !ok)
+    return ok.error();
   const v1::LightTransport& light = message.light_transport();
   for (const render::LightSwitch& each : render::kLightSwitches)
     if (const auto* field = fieldOf(each); light.GetReflection()->HasField(light, field))
@@ -261,6 +263,7 @@ v1::Settings toWire(const ViewerSettings& settings) {
   approximations.set_shadow_map_size(view.shadow_map_size);
   approximations.set_levels_of_detail(view.levels_of_detail);
   approximations.set_denoiser(numberOf<v1::Denoiser>(render::kDenoisers, view.denoiser));
+  out.set_culling_view(numberOf<v1::CullingView>(render::kCullingViews, view.culling_view));
   out.set_inspect(numberOf<v1::Inspect>(render::kInspects, view.inspect));
   v1::LightTransport& light = *out.mutable_light_transport();
   for (const render::LightSwitch& each : render::kLightSwitches)

@@ -79,6 +79,8 @@ TEST(SettingsOnTheWire, HaveEveryChoiceOfTheRenderer) {
   expectOnWire<v1::Denoiser>(
       render::kDenoisers, [](S& s, v1::Denoiser value) { s.mutable_approximations()->set_denoiser(value); },
       &V::denoiser, [](const S& s) { return s.approximations().denoiser(); });
+  expectOnWire<v1::CullingView>(render::kCullingViews, &S::set_culling_view, &V::culling_view,
+                                [](const S& s) { return s.culling_view(); });
   expectOnWire<v1::Inspect>(render::kInspects, &S::set_inspect, &V::inspect, [](const S& s) { return s.inspect(); });
 }
 

@@ -273,6 +273,7 @@ TEST_F(ViewerTest, SettingsOutOfRange) {
        [](v1::Settings& s) { s.mutable_approximations()->set_denoiser(v1::Denoiser(99)); }},
       {"settings.shadow_map_size", [](v1::Settings& s) { s.mutable_approximations()->set_shadow_map_size(100); }},
       {"settings.inspect", [](v1::Settings& s) { s.set_inspect(v1::Inspect(99)); }},
+      {"settings.culling_view", [](v1::Settings& s) { s.set_culling_view(v1::CullingView(99)); }},
       {"settings.stream.jpeg_quality", [](v1::Settings& s) { s.mutable_stream()->set_jpeg_quality(101); }},
       {"settings.stream.max_latency_ms", [](v1::Settings& s) { s.mutable_stream()->set_max_latency_ms(5); }},
   };
