@@ -1,4 +1,5 @@
-// The BLASes that one tick builds and refits: whoever wants some adds them, within one budget, and all go into one call.
+// The BLASes that one tick builds and refits: whoever wants some adds them, within one budget, and all go into one
+// call.
 #pragma once
 
 #include <limits>

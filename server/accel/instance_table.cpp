@@ -127,9 +127,8 @@ void InstanceTable::boundBlocks(size_t from_entry) {
     for (size_t i = b * kBlock; i < end; ++i) {
       const PlacedInstance& placed = placed_[order_[i]];
       bounds.grow({placed.centre - placed.radius, placed.centre + placed.radius});
-      if (!scene_.meshes[placed.mesh].deforms() && std::none_of(kinds.begin(), kinds.end(), [&](uint32_t slot) {
-            return placed_[slot].mesh == placed.mesh;
-          }))
+      if (!scene_.meshes[placed.mesh].deforms() &&
+          std::none_of(kinds.begin(), kinds.end(), [&](uint32_t slot) { return placed_[slot].mesh == placed.mesh; }))
         kinds.push_back(order_[i]);
     }
     blocks_[b] = {bounds.centre(), 0.5f * glm::length(bounds.extent())};

@@ -36,13 +36,13 @@ struct LipacSettings {
 struct LipacFigures {
   uint32_t inactive = 0, omitted = 0, requested = 0, active = 0;  ///< instances by state
   uint32_t active_hitboxes = 0;
-  uint32_t boxes = 0;    ///< hitboxes in the TLAS, for what is inactive in them
-  uint32_t entries = 0;  ///< of the TLAS, boxes included
-  uint32_t dropped = 0;  ///< found no room in it
-  uint32_t changes = 0;  ///< instances whose state changed
+  uint32_t boxes = 0;     ///< hitboxes in the TLAS, for what is inactive in them
+  uint32_t entries = 0;   ///< of the TLAS, boxes included
+  uint32_t dropped = 0;   ///< found no room in it
+  uint32_t changes = 0;   ///< instances whose state changed
   uint64_t box_hits = 0;  ///< of rays that met a hitbox, in hits of 1920 x 1080 paths
-  uint32_t cycles = 0;   ///< hitboxes, and instances with a BLAS of their own, that went back
-  uint32_t wanted = 0;   ///< BLASes asked for
+  uint32_t cycles = 0;    ///< hitboxes, and instances with a BLAS of their own, that went back
+  uint32_t wanted = 0;    ///< BLASes asked for
   uint32_t served = 0;
   uint32_t left_over = 0;  ///< by the budget: the GPU asks again
   // Latency mitigation.

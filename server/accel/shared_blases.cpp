@@ -23,8 +23,8 @@ SharedBlases::SharedBlases(gpu::Device& device, std::vector<shared::MeshRecord> 
   table_ = gpu::Buffer(device_, {"the meshes that rays meet", records_.size() * sizeof(shared::MeshRecord),
                                  gpu::MemoryCategory::ray_tracing});
   needs_ = gpu::Buffer(device_, {"which BLASes are needed", bytes, gpu::MemoryCategory::ray_tracing});
-  needs_readback_ = gpu::Buffer(device_, {"which BLASes are needed, read back", bytes, gpu::MemoryCategory::transfer,
-                                          gpu::Placement::readback});
+  needs_readback_ = gpu::Buffer(
+      device_, {"which BLASes are needed, read back", bytes, gpu::MemoryCategory::transfer, gpu::Placement::readback});
 }
 
 uint32_t SharedBlases::recordOf(const shared::InstanceRecord& instance) const {
@@ -140,8 +140,7 @@ void SharedBlases::plan(uint64_t tick, BlasBatch& batch) {
     figures_.triangles += shape.triangles;
   }
   for (uint32_t record = 0; record < entries_.size(); ++record)
-    if (const Entry& entry = entries_[record];
-        entry.blas && !entry.fresh && tick - entry.used_at > settings_.age_limit)
+    if (const Entry& entry = entries_[record]; entry.blas && !entry.fresh && tick - entry.used_at > settings_.age_limit)
       evict(record);
   for (const Entry& entry : entries_) figures_.resident += static_cast<bool>(entry.blas);
 }

@@ -29,10 +29,10 @@ struct SharedBlasFigures {
   uint64_t triangles = 0;  ///< built in this tick
 };
 
-/// Who needs what is known where the TLAS is assembled, on the GPU: it notes for every record of the mesh table how much
-/// it is needed, and the CPU reads that one tick later. Until a BLAS is there its mesh's next finer level that has one
-/// stands in for it, or else the next coarser; where there is none, its instances are not in the TLAS. Deterministic:
-/// budgets count, and order is by need, then by record.
+/// Who needs what is known where the TLAS is assembled, on the GPU: it notes for every record of the mesh table how
+/// much it is needed, and the CPU reads that one tick later. Until a BLAS is there its mesh's next finer level that has
+/// one stands in for it, or else the next coarser; where there is none, its instances are not in the TLAS.
+/// Deterministic: budgets count, and order is by need, then by record.
 class SharedBlases {
  public:
   /// `records`: the mesh table, one entry a mesh, and its coarser levels behind them (shared/scene.h); `shapes`: as
@@ -103,10 +103,10 @@ class SharedBlases {
   SharedBlasFigures figures_;
 
   bool everything_ = false;
-  std::vector<uint32_t> need_;  // by record, as of the last news; 0: none
-  bool asked_ = false;                // there is news to read
-  std::vector<uint32_t> arriving_;    // records that want() named since the last plan()
-  std::vector<uint32_t> pending_;     // records that this tick builds
+  std::vector<uint32_t> need_;      // by record, as of the last news; 0: none
+  bool asked_ = false;              // there is news to read
+  std::vector<uint32_t> arriving_;  // records that want() named since the last plan()
+  std::vector<uint32_t> pending_;   // records that this tick builds
   std::vector<Copy> copies_;
   std::vector<gpu::AccelerationStructure> retired_;  // copied by this tick
   gpu::CompactionQuery query_;

@@ -23,8 +23,8 @@ void WorldRenderer::planStructures(const world::ChangeSet& changes, std::span<co
   if (guided_) lipac_->serve(own_blases_, units_);
 }
 
-// Latency mitigation: what comes into sight is in the TLAS in the same tick, and so must its BLAS be. One of each kind in
-// a block is looked at: where others have another level of detail, that one's stands in for theirs.
+// Latency mitigation: what comes into sight is in the TLAS in the same tick, and so must its BLAS be. One of each kind
+// in a block is looked at: where others have another level of detail, that one's stands in for theirs.
 void WorldRenderer::wantForSights() {
   for (const shared::LipacSight& sight : lipac_->appearance().blocks())
     for (const uint32_t slot : instances_.kindsIn(sight.block & ~shared::kSightWhole))

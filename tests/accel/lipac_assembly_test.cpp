@@ -96,7 +96,8 @@ class LipacAssembly : public LipacFixture {
     const gpu::Buffer needs = table("needs", std::vector<uint32_t>(1));
     const gpu::Buffer output = table("output", std::vector<TlasInstance>(capacity));
     commands.begin();
-    lipac.upload(commands, {order_table.address(), instances.address(), meshes.address(), needs.address(), kCount, kCount}, 0);
+    lipac.upload(commands,
+                 {order_table.address(), instances.address(), meshes.address(), needs.address(), kCount, kCount}, 0);
     barrier();
     commands.upload<uint32_t>(lipac.words(), 0, words);
     barrier();
@@ -104,8 +105,12 @@ class LipacAssembly : public LipacFixture {
     barrier();
     lipac.feedback(commands, false);
     submit();
-    return {read<TlasInstance>(output, capacity), read<uint32_t>(lipac.hits(), kCount),
-            read<uint32_t>(lipac.words(), kCount), read<uint32_t>(needs, 1), lipac.grid(), lipac.figures()};
+    return {read<TlasInstance>(output, capacity),
+            read<uint32_t>(lipac.hits(), kCount),
+            read<uint32_t>(lipac.words(), kCount),
+            read<uint32_t>(needs, 1),
+            lipac.grid(),
+            lipac.figures()};
   }
 
   std::vector<uint32_t> order, words;

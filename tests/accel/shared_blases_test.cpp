@@ -1,6 +1,6 @@
 // The cache of BLASes that instances share: what is needed comes within budgets, what is not goes, and nothing is left.
-#include "accel/lipac_fixture.h"
 #include "accel/shared_blases.h"
+#include "accel/lipac_fixture.h"
 
 namespace helio::accel {
 namespace {
@@ -36,7 +36,8 @@ class SharedBlasCache : public LipacFixture {
     for (uint32_t r = 0; r < 4; ++r) {
       const uint32_t triangles = r == 3 ? kTriangles / 2 : kTriangles;
       records[r].first_geometry = r;
-      shapes[r] = {"shape", r % 3, {{positions.address(), 3 * kTriangles, indices.address(), triangles, true}}, triangles};
+      shapes[r] = {
+          "shape", r % 3, {{positions.address(), 3 * kTriangles, indices.address(), triangles, true}}, triangles};
     }
     records[0].coarser = 3;
     return {*device, std::move(records), std::move(shapes)};
@@ -112,10 +113,12 @@ TEST_F(SharedBlasCache, TheOldestMakesRoomAndWhatIsNeededStays) {
   SharedBlases blases = make();
   (void)tick(blases, {0});
   (void)tick(blases, {0});  // compacted by now, if that saves anything
-  const uint64_t one = gpu::blasSizes(*device, std::vector<gpu::BlasGeometry>{{positions.address(), 3 * kTriangles,
-                                                                               indices.address(), kTriangles, true}},
-                                      gpu::BlasKind::still)
-                           .structure;
+  const uint64_t one =
+      gpu::blasSizes(
+          *device,
+          std::vector<gpu::BlasGeometry>{{positions.address(), 3 * kTriangles, indices.address(), kTriangles, true}},
+          gpu::BlasKind::still)
+          .structure;
   blases.set({2 * one + one / 2, 1000});
   (void)tick(blases, {0, 1});
   (void)tick(blases, {1});

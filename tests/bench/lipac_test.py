@@ -57,6 +57,13 @@ class Lipac(unittest.TestCase):
                 self.assertGreater(run["shared"]["rt_memory_bytes"], 0)
             self.assertLess(two["shared"]["rt_memory_bytes"], two["separate"]["rt_memory_bytes"])
 
+    def test_rest(self):
+        report = bench("rest", "--warmup", "20", "--frames", "20")
+        runs = {run["rules"]: run for run in report["runs"]}
+        self.assertEqual(set(runs), {"lipac", "lipac_literal"})
+        for run in runs.values():
+            self.assertLessEqual(run["changed_again"], run["changed"])
+
     def test_thresholds(self):
         report = bench("thresholds", "--thresholds", "30,30000", "--warmup", "24", "--frames", "2", "--samples", "8")
         full, low, high = report["runs"]

@@ -17,6 +17,7 @@
 #include "bench/frame.h"
 #include "bench/jump.h"
 #include "bench/report.h"
+#include "bench/rest.h"
 #include "bench/sampler.h"
 #include "bench/stability.h"
 #include "bench/stream.h"
@@ -55,6 +56,7 @@ int main(int argc, char** argv) {
   bench::addViewersCommand(app, command_line, action);
   bench::addJumpCommand(app, command_line, action);
   bench::addEditStormCommand(app, command_line, action);
+  bench::addRestCommand(app, command_line, action);
   bench::addStabilityCommand(app, command_line, action);
   bench::addCrashCommand(app, command_line, action);
   bench::addStreamCommand(app, command_line, action);

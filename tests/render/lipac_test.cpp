@@ -223,7 +223,8 @@ TEST(Lipac, BlasesThatAreSharedComeAndGoWithTheLight) {
   EXPECT_LT(frame.stats.acceleration.shared_blas_bytes, everything.shared_blas_bytes);
 
   // Where nothing is met all but that goes; it comes again, and takes what it took.
-  const scene::Camera away = lookAt(camera.position + glm::vec3(0, 400, 0), camera.position + glm::vec3(0, 800, 100), 0.4f);
+  const scene::Camera away =
+      lookAt(camera.position + glm::vec3(0, 400, 0), camera.position + glm::vec3(0, 800, 100), 0.4f);
   uint64_t rest = 0;
   for (int round = 0; round < 2; ++round) {
     frame = stage.accumulate(away, small(32, 18), 140);

@@ -17,8 +17,8 @@ struct ViewPass {
   Resource tlas;
   Resource instances;
   PathQueue& paths;
-  Resource hits = nullptr;      ///< what rays count into; null: they do not
-  bool any_hit_boxes = false;   ///< accel::BoxHits
+  Resource hits = nullptr;     ///< what rays count into; null: they do not
+  bool any_hit_boxes = false;  ///< accel::BoxHits
 };
 
 /// Groups of `size` x `size` pixels that cover the view.

@@ -46,7 +46,8 @@ gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::Eff
   if (constants.size() <= kCountHitsConstant || !constants[kCountHitsConstant]) return description;
   if (constants[kAnyHitBoxesConstant]) {
     description.misses.front() = "lipac/counted.rmiss";
-    description.hits = {{"lipac/counted.rchit", anyHit(effects)}, {"", "lipac/cell.rahit"}, {"", "lipac/omitted.rahit"}};
+    description.hits = {
+        {"lipac/counted.rchit", anyHit(effects)}, {"", "lipac/cell.rahit"}, {"", "lipac/omitted.rahit"}};
   } else {
     description.hits.push_back({"lipac/cell.rchit", ""});
     description.hits.push_back({"lipac/omitted.rchit", ""});
@@ -59,8 +60,7 @@ std::string anyHit(effects::EffectSet effects) {
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
-                                                  bool log_rays, bool count_hits,
-                                                  bool any_hit_boxes) {
+                                                  bool log_rays, bool count_hits, bool any_hit_boxes) {
   // What is shown takes emission's way.
   if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
   gpu::Specialisation constants = effects::specialisation(effects);
@@ -121,7 +121,8 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes);
+  const gpu::RayTracingPipeline& pipeline =
+      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes);
   std::vector<Access> accesses{{pass.tlas, gpu::use::trace},
                                {pass.instances, gpu::use::ray_read},
                                {&view.constants, gpu::use::ray_read},
