@@ -14,17 +14,19 @@ struct SurfaceTexel {
   vec3 normal;
   float depth;  // metres; 0: nothing is there
   uint instance;
+  bool mirrored;
 };
 
 SurfaceTexel readSurface(uint image, ivec2 pixel) {
   const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
-  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x));
+  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x), surfaceMirrored(texel.y));
 }
 
 // How alike two texels' geometry is, `pixels` apart on the screen [section 4.4, eq. 3 and 4]. `gradient`: of depth, metres a
 // pixel.
 float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) {
-  if (b.depth == 0.0) return 0.0;
+  // Around a ball of mirror the ground that it shows lies as the ground itself does, and has another light.
+  if (b.depth == 0.0 || a.mirrored != b.mirrored) return 0.0;
   // A plane's depth is known only as well as floats and the pixel's position in it are.
   const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * a.depth;
   float alike = max(dot(a.normal, b.normal), 0.0);
