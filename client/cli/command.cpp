@@ -89,7 +89,8 @@ void addApproximations(CLI::App& command, Approximations& chosen) {
       ->check(CLI::Range(256u, 4096u));
   command.add_flag("--levels-of-detail,!--no-levels-of-detail", chosen.levels_of_detail,
                    "hybrid mode: far meshes are coarser by about a pixel (unless --no-levels-of-detail)");
-  choice("--denoiser", chosen.denoiser, "hybrid mode: none or svgf", render::namesOf(render::kDenoisers));
+  choice("--denoiser", chosen.denoiser, "hybrid mode: none, svgf or asvgf", render::namesOf(render::kDenoisers));
+  command.add_flag("--taa", chosen.taa, "hybrid mode: temporal anti-aliasing");
   choice("--inspect", chosen.inspect,
          "hybrid mode: numbers in the picture's place: motion, position, before, unfiltered; with a denoiser diffuse, "
          "specular, samples",
@@ -104,6 +105,7 @@ v1::Approximations Approximations::toWire() const {
   out.set_sun_shadow(onWire<v1::SunShadow>("SUN_SHADOW_", sun_shadow));
   out.set_shadow_map_size(shadow_map_size);
   out.set_levels_of_detail(levels_of_detail);
+  out.set_taa(taa);
   out.set_denoiser(onWire<v1::Denoiser>("DENOISER_", denoiser));
   return out;
 }
@@ -118,6 +120,7 @@ void Approximations::put(render::ViewSettings& settings) const {
   settings.sun_shadow = *render::byName(render::kSunShadows, sun_shadow);
   settings.shadow_map_size = shadow_map_size;
   settings.levels_of_detail = levels_of_detail;
+  settings.taa = taa;
   settings.denoiser = *render::byName(render::kDenoisers, denoiser);
   settings.inspect = *render::byName(render::kInspects, inspect);
   settings.culling_view = *render::byName(render::kCullingViews, culling_view);

@@ -61,7 +61,7 @@ void addLightTransport(CLI::App& command, v1::LightTransport& light);
 struct Approximations {
   std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing", culling_view = "none";
   uint32_t shadow_map_size = 2048;
-  bool levels_of_detail = true;
+  bool levels_of_detail = true, taa = false;
 
   /// For v1::Settings and v1::RenderRequest.
   template <typename Message>

@@ -35,6 +35,7 @@ inline constexpr Choice<SunShadow> kSunShadows[] = {
 inline constexpr Choice<Denoiser> kDenoisers[] = {
     {"none", Denoiser::none},
     {"svgf", Denoiser::svgf},
+    {"asvgf", Denoiser::asvgf},
 };
 
 inline constexpr Choice<Inspect> kInspects[] = {

@@ -111,6 +111,7 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
       !ok)
     return ok.error();
   if (approximations.shadow_map_size() != 0) view.shadow_map_size = approximations.shadow_map_size();
+  view.taa = approximations.taa();
   if (approximations.has_levels_of_detail()) view.levels_of_detail = approximations.levels_of_detail();
   if (auto ok = choose(name + ".approximations.denoiser", approximations.denoiser(), render::kDenoisers, view.denoiser);
       !ok)
@@ -262,6 +263,7 @@ v1::Settings toWire(const ViewerSettings& settings) {
   approximations.set_sun_shadow(numberOf<v1::SunShadow>(render::kSunShadows, view.sun_shadow));
   approximations.set_shadow_map_size(view.shadow_map_size);
   approximations.set_levels_of_detail(view.levels_of_detail);
+  approximations.set_taa(view.taa);
   approximations.set_denoiser(numberOf<v1::Denoiser>(render::kDenoisers, view.denoiser));
   out.set_culling_view(numberOf<v1::CullingView>(render::kCullingViews, view.culling_view));
   out.set_inspect(numberOf<v1::Inspect>(render::kInspects, view.inspect));

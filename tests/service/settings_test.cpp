@@ -27,6 +27,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
     wanted.set_shadow_map_size(512);
     wanted.set_levels_of_detail(false);
     wanted.set_denoiser(v1::DENOISER_SVGF);
+    wanted.set_taa(true);
     hello.mutable_settings()->set_inspect(v1::INSPECT_DIFFUSE);
   });
   const v1::Settings in_effect = viewer.welcome().settings().settings();
@@ -34,6 +35,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
   EXPECT_EQ(in_effect.approximations().shadow_map_size(), 512u);
   EXPECT_FALSE(in_effect.approximations().levels_of_detail());
   EXPECT_EQ(in_effect.approximations().denoiser(), v1::DENOISER_SVGF);
+  EXPECT_TRUE(in_effect.approximations().taa());
   EXPECT_EQ(in_effect.inspect(), v1::INSPECT_DIFFUSE);
   viewer.frame();
   const render::ViewSettings rendered = renderer_.newestSettings();
@@ -41,6 +43,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
   EXPECT_EQ(rendered.shadow_map_size, 512u);
   EXPECT_FALSE(rendered.levels_of_detail);
   EXPECT_EQ(rendered.denoiser, render::Denoiser::svgf);
+  EXPECT_TRUE(rendered.taa);
   EXPECT_EQ(rendered.inspect, render::Inspect::diffuse);
 }
 
