@@ -69,8 +69,8 @@ void AccelerationStructure::swap(AccelerationStructure& other) noexcept {
 
 namespace {
 
-VkAccelerationStructureBuildGeometryInfoKHR blasBuild(
-    const std::vector<VkAccelerationStructureGeometryKHR>& geometries, BlasKind kind) {
+VkAccelerationStructureBuildGeometryInfoKHR blasBuild(const std::vector<VkAccelerationStructureGeometryKHR>& geometries,
+                                                      BlasKind kind) {
   VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
   build.type = VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR;
   build.flags = kind == BlasKind::still ? VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_TRACE_BIT_KHR |

@@ -273,9 +273,14 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
 void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   View& view = work.view;
   const ViewSettings& settings = view.settings();
-  const ViewPass pass{
-      graph, view, work.owner, &tlas_, &instances_, paths_, guided_ ? static_cast<Resource>(&lipac_) : nullptr,
-      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit};
+  const ViewPass pass{graph,
+                      view,
+                      work.owner,
+                      &tlas_,
+                      &instances_,
+                      paths_,
+                      guided_ ? static_cast<Resource>(&lipac_) : nullptr,
+                      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 
@@ -479,15 +484,14 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   if (usesRaster(settings)) stats.triangles_drawn = view.draws.triangles();
   if (usesShadowMap(settings, effects_)) stats.shadow_triangles = view.shadow_draws.triangles();
   stats.exposure = settings.auto_exposure ? state.exposure : std::exp2(settings.exposure_ev);
-  stats.memory = {
-      device_->memoryInUse(gpu::MemoryCategory::raster),
-      device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
-      device_->memoryInUse(gpu::MemoryCategory::path_tracing),
-      device_->memoryInUse(gpu::MemoryCategory::transfer),
-      tlas_.scratchBytes() + blas_batch_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
-          view.shadow_draws.bytes(),
-      instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + blas_batch_.cpuBytes() + detail_.cpuBytes() +
-          draw_table_.cpuBytes()};
+  stats.memory = {device_->memoryInUse(gpu::MemoryCategory::raster),
+                  device_->memoryInUse(gpu::MemoryCategory::ray_tracing),
+                  device_->memoryInUse(gpu::MemoryCategory::path_tracing),
+                  device_->memoryInUse(gpu::MemoryCategory::transfer),
+                  tlas_.scratchBytes() + blas_batch_.scratchBytes() + paths_.bytes() + view.draws.bytes() +
+                      view.shadow_draws.bytes(),
+                  instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + blas_batch_.cpuBytes() +
+                      detail_.cpuBytes() + draw_table_.cpuBytes()};
   stats.history_bytes = view.histories.bytes();
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));

@@ -24,7 +24,7 @@ struct CullingOptions {
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
   std::optional<bool> builds_aside;   ///< on a queue of their own; default: where the device has one
   uint32_t counted_paths = accel::LipacSettings{}.counted_paths;
-  bool one_call_a_blas = false;       ///< BLASes of instances' own are built one by one
+  bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one
   std::string device;
   std::string plot;  ///< an SVG file; empty: none
   bool json = false;
