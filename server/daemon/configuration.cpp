@@ -9,6 +9,8 @@
 #include <set>
 #include <thread>
 
+#include "render/choices.h"
+
 namespace helio::daemon {
 namespace {
 
@@ -150,17 +152,19 @@ void addServing(CLI::App& app, Configuration& c, uint64_t& synthetic_frame_us) {
   flags.value("log-format", c.log_format, "text, or json: one object a line")->check(CLI::IsMember({"text", "json"}));
 }
 
-void addCulling(CLI::App& app, render::RendererOptions& device) {
+constexpr render::Choice<render::Culling> kStrategies[] = {
+    {"full", render::Culling::full},
+    {"frustum_radius", render::Culling::frustum_radius},
+    {"lipac", render::Culling::lipac},
+};
+
+void addCulling(CLI::App& app, std::string& culling, render::RendererOptions& device) {
   Flags flags(app, "Culling");
-  static const std::map<std::string, render::Culling> strategies{{"full", render::Culling::full},
-                                                                 {"frustum_radius", render::Culling::frustum_radius},
-                                                                 {"lipac", render::Culling::lipac}};
   flags
-      .value("culling", device.culling,
+      .value("culling", culling,
              "which instances rays can meet: full (all), frustum_radius (in a frustum or within 800 m), lipac (those "
              "that light paths meet; what it leaves out casts the sun's shadow by a map)")
-      ->transform(CLI::CheckedTransformer(strategies).description(""))
-      ->default_str("full");
+      ->check(CLI::IsMember(render::namesOf(kStrategies)));
   device.culling_settings.cast_by_map = true;
   accel::LipacSettings& lipac = device.culling_settings.lipac;
   const float most = accel::LipacSettings::kHighestThreshold;
@@ -241,13 +245,14 @@ Result<std::optional<Invocation>> parseCommandLine(int argc, const char* const* 
   c.server.version = HELIOGRAPH_VERSION;
   c.server.encoder_threads = std::max(1u, std::thread::hardware_concurrency() / 2);
   uint64_t synthetic_frame_us = 0;
+  std::string culling = "full";
   bool check = false;
 
   CLI::App app("Hosts worlds, renders them, and streams pictures to viewers.", "heliographd");
   app.footer(kExamples);
   app.set_version_flag("--version", c.server.version)->configurable(false);
   addServing(app, c, synthetic_frame_us);
-  addCulling(app, c.device);
+  addCulling(app, culling, c.device);
   addLimits(app, c.server.limits);
   addCommands(app, invocation);
   // CLI11 reads the file before the environment, so the file's name has to be known before.
@@ -266,6 +271,7 @@ Result<std::optional<Invocation>> parseCommandLine(int argc, const char* const* 
     app.exit(error);
     return std::optional<Invocation>();
   }
+  c.device.culling = *render::byName(kStrategies, culling);
   c.synthetic.frame_time = std::chrono::microseconds(synthetic_frame_us);
   if (check) {
     invocation.command = Command::check_configuration;

@@ -243,6 +243,7 @@ TEST(Lipac, BothWaysThroughBoxesHoldTheSame) {
   const scene::Camera camera = cameraOf(*city, "tilted_city");
   Stage closest(city), any(city), few(city);
   render::CullingSettings settings;
+  settings.lipac.mitigation = false;  // or hardly any boxes would be left to meet
   closest.setCulling(Culling::lipac, settings);
   settings.lipac.box_hits = accel::BoxHits::any_hit;
   any.setCulling(Culling::lipac, settings);
@@ -262,7 +263,7 @@ TEST(Lipac, BothWaysThroughBoxesHoldTheSame) {
     c = *few.tick(camera, small()).stats.lipac;
   }
   EXPECT_GT(a.active, 20u);
-  EXPECT_NEAR(b.active, a.active, a.active / 20);
+  EXPECT_NEAR(b.active, a.active, a.active / 10);
   EXPECT_NEAR(c.active, a.active, a.active / 5);
 }
 
@@ -355,7 +356,7 @@ TEST(Lipac, WhatRaysDoNotMeetCastsItsShadowByTheMap) {
       const float truth = texel(a, x, y).g, all_lit = texel(b, x, y).g;
       if (!(truth < 0.5f * all_lit)) continue;
       ++in_shadow;
-      lit_by_map += texel(c, x, y).g > 1.5f * truth;
+      lit_by_map += texel(c, x, y).g > 0.6f * all_lit;  // towers that rays do not meet leave the sky's light in it
     }
   EXPECT_GT(in_shadow, settings.width * settings.height / 100);
   EXPECT_LT(10 * lit_by_map, in_shadow);

@@ -107,6 +107,7 @@ AccuracyPoint point(const std::string& name, double ms, double error) {
   p.frame_ms = {ms, ms};
   p.error = {error, 0.25 * error, 0.75 * error};
   p.recovery = {2 * error, error};
+  p.ssim_along = {0.5, 0.75};
   return p;
 }
 
