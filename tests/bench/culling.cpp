@@ -6,6 +6,7 @@
 #include <iostream>
 #include <map>
 
+#include "bench/culled_world.h"
 #include "bench/files.h"
 #include "bench/image.h"
 #include "bench/progress.h"
@@ -19,22 +20,14 @@ constexpr const char* kNotes = R"(What is measured:
   A city in which everything moves, seen by one of its cameras. Every strategy has a world of its own; their ticks
   alternate, so whatever slows the machine down meets all of them alike. full: everything is in the TLAS.
   frustum_radius: what is in the frustum or within 800 m. lipac: what light paths meet; lipac_literal: by the paper's
-  rules to the letter; lipac_any_hit: boxes are any-hit geometry. distance: as many instances as lipac holds then, the nearest. none: nothing but what is too large
-  to be culled; pictures must fail it.
-  Then time stands still, and the pictures of all strategies are averaged over the same samples: their errors are
+  rules to the letter; lipac_any_hit: boxes are any-hit geometry. distance: as many instances as lipac holds then, the
+  nearest. none: nothing but what is too large to be culled; pictures must fail it.
+  Then time stands still for 36 ticks, until nothing is held for a new view's sake alone, and the pictures of all strategies are averaged over the same samples: their errors are
   against full. Indirect light is the picture without what paths of one scattering bring.
 
 Examples:
   helio-bench culling --camera animated_models --instances 2000 --animated 500 --size 160x90 --frames 5
   helio-bench culling --camera tilted_city --instances 100000 --animated 6000 --size 1920x1080 --device NVIDIA --json)";
-
-double passMs(const render::FrameStats& frame, std::initializer_list<const char*> passes) {
-  double ms = 0.0;
-  for (const render::PassTime& time : frame.passes)
-    for (const char* pass : passes)
-      if (time.name == pass) ms += time.ms;
-  return ms;
-}
 
 constexpr uint32_t kGuessesLast = 36;  // ticks: hits are smoothed over 16, and who leaves waits for 15 more
 

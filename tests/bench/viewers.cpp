@@ -16,8 +16,7 @@ namespace {
 constexpr const char* kNotes = R"(What is measured:
   N viewers of one world with light path guided culling, against N worlds with one viewer each, in ticks in which
   everything moves. near: they stand 3 m apart and look the same way. far: each at another of the scene's cameras, a
-  second round 150 m further on. Memory is that of ray tracing, shared BLASes apart: every world holds those of the
-  whole scene. Times are of one tick for all viewers together. The error is the first viewer's, against a world without
+  second round 150 m further on. Memory is that of ray tracing; shared BLASes stand apart, in JSON. Times are of one tick for all viewers together. The error is the first viewer's, against a world without
   culling: company must not make it grow.
 
 Examples:
