@@ -160,6 +160,7 @@ void SharedBlases::planAll(uint64_t tick, gpu::Commands& commands) {
     inputs.push_back({shapes_[record].name, shapes_[record].geometries});
     built.push_back(record);
   }
+  figures_.built = static_cast<uint32_t>(built.size());
   if (built.empty()) return;
   commands.begin();
   std::vector<gpu::AccelerationStructure> blases = gpu::buildBlases(commands, inputs);

@@ -152,10 +152,13 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 
   try {
     planStructures(changes, requests, viewers, moved);
-    const bool changed = edited || moved || !blas_batch_.empty() || instances_.orderDirty() || shared_blases_.dirty();
+    const bool built = !blas_batch_.empty() || shared_blases_.figures().built > 0;
     // What culls follows the cameras, or the light.
-    reassemble_ = reassemble_ || changed || strategy_->volumes() != nullptr || lipac_;
-    return render(changes, requests, changed || changes.environment_changed);
+    reassemble_ = reassemble_ || edited || moved || built || instances_.orderDirty() || shared_blases_.dirty() ||
+                  strategy_->volumes() != nullptr || lipac_;
+    // What guided culling lets in while nothing moves is no change of the scene: averages go on, and nothing that a
+    // cache gives back is in the picture.
+    return render(changes, requests, edited || moved || (built && !guided_) || changes.environment_changed);
   } catch (const gpu::Failure&) {
     // What was recorded never ran: the next tick brings all of it again.
     instances_.forget();

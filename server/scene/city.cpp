@@ -90,7 +90,7 @@ Result<ScenePtr> generateCity(const CityParameters& parameters) {
   for (const Prefab& prefab : scene->prefabs) {
     Mesh& mesh = scene->meshes[prefab.mesh];
     orderTriangles(mesh);
-    // Tiles of the terrain must meet at their borders, whatever level each has: they have one.
+    // The terrain's were made with its tiles.
     if (prefab.category != "terrain") makeLevels(mesh, scene->materials, Seams::cross);
   }
   return ScenePtr(std::move(scene));

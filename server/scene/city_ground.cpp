@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "scene/city_plan.h"
+#include "scene/levels_of_detail.h"
 #include "scene/mesh_builder.h"
 #include "scene/random.h"
 
@@ -408,6 +409,7 @@ Ground buildGround(const CityPlan& plan, const Palette& palette) {
       const glm::dvec2 origin = glm::dvec2(x, z) * kTile - plan.site.half();
       const std::string name = "terrain_" + std::to_string(x) + "_" + std::to_string(z);
       ground.meshes[i] = buildTile(plan, palette, by_tile[i], origin, name);
+      makeTileLevels(ground.meshes[i]);
       ground.centres[i] = origin + 0.5 * kTile;
     }
   };

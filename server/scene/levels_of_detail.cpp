@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kReduction = 0.35;    // of triangles, a level
 constexpr float kFarthestOff = 0.25f;  // of the mesh's extent: what is coarser than that is no longer this mesh
+constexpr float kTileOff = 0.005f;     // the same of a tile: its outline stays, so that more would hardly save triangles
 constexpr float kMeeting = 1e-5f;      // of the mesh's extent: vertices nearer than about that are at one place
 constexpr size_t kMostCombinations = 1'000;
 constexpr float kAreaKept = 0.7f;     // of what faces a direction
@@ -166,44 +168,86 @@ class Simplifier {
     return {{fine.begin(), fine.end()}, 0.0f};
   }
 
+  /// All submeshes at once, with about `target` triangles: what lies along the mesh's outline stays, and a border
+  /// between two submeshes moves for both, since to the library it is a seam.
+  std::vector<Simplified> simplifyWithinOutline(size_t target) {
+    Joined joined;
+    std::vector<size_t> begins;  // by submesh: its first place
+    for (const Submesh& submesh : mesh_.submeshes) {
+      begins.push_back(joined.places.size());
+      join(std::span(mesh_.indices).subspan(submesh.first_index, submesh.index_count), joined);
+    }
+    std::vector<uint32_t> coarse(joined.indices.size());
+    float error = 0.0f;
+    const float* first = &joined.positions[0].x;
+    coarse.resize(meshopt_simplify<uint32_t>(coarse.data(), joined.indices.data(), joined.indices.size(), first,
+                                             joined.positions.size(), sizeof(glm::vec3), 3 * target, kTileOff,
+                                             meshopt_SimplifyLockBorder, &error));
+    error *= meshopt_simplifyScale(first, joined.positions.size(), sizeof(glm::vec3));
+    std::vector<Simplified> result(mesh_.submeshes.size(), Simplified{{}, error});
+    for (size_t t = 0; t < coarse.size(); t += 3) {
+      const auto behind = std::upper_bound(begins.begin(), begins.end(), size_t{coarse[t]});
+      std::vector<uint32_t>& indices = result[static_cast<size_t>(behind - begins.begin()) - 1].indices;
+      for (const uint32_t vertex : corners(joined, &coarse[t])) indices.push_back(vertex);
+    }
+    return result;
+  }
+
  private:
-  Simplified towards(std::span<const uint32_t> fine, size_t target) {
-    Simplified result{{fine.begin(), fine.end()}, 0.0f};
-    // Its places, numbered by themselves: clustering looks at every place that it is given.
-    std::vector<uint32_t> welded, places;
+  /// Triangles over places that are numbered by themselves: clustering looks at every place that it is given.
+  struct Joined {
+    std::vector<uint32_t> indices;
+    std::vector<uint32_t> places, turns;  // by number
     std::vector<glm::vec3> positions;
+  };
+
+  /// Adds a submesh's triangles, but for those that have no area.
+  void join(std::span<const uint32_t> fine, Joined& joined) {
     ++turn_;
     const auto placeOf = [&](uint32_t vertex) {
       used_[vertex] = turn_;
       const uint32_t place = welding_.representative[vertex];
       if (numbered_[place] != turn_) {
         numbered_[place] = turn_;
-        number_[place] = static_cast<uint32_t>(places.size());
-        places.push_back(place);
-        positions.push_back(welding_.positions[place]);
+        number_[place] = static_cast<uint32_t>(joined.places.size());
+        joined.places.push_back(place);
+        joined.turns.push_back(turn_);
+        joined.positions.push_back(welding_.positions[place]);
       }
       return number_[place];
     };
-    for (size_t t = 0; t + 2 < result.indices.size(); t += 3) {
-      const std::array<uint32_t, 3> corner{placeOf(result.indices[t]), placeOf(result.indices[t + 1]),
-                                           placeOf(result.indices[t + 2])};
+    for (size_t t = 0; t + 2 < fine.size(); t += 3) {
+      const std::array<uint32_t, 3> corner{placeOf(fine[t]), placeOf(fine[t + 1]), placeOf(fine[t + 2])};
       if (corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0])
-        welded.insert(welded.end(), corner.begin(), corner.end());
+        joined.indices.insert(joined.indices.end(), corner.begin(), corner.end());
     }
-    if (welded.size() / 3 <= target) return result;
+  }
 
-    std::vector<uint32_t> coarse(welded.size());
+  /// The mesh's vertices for a triangle of `joined`.
+  std::array<uint32_t, 3> corners(const Joined& joined, const uint32_t* triangle) const {
+    return chooseCorners({joined.places[triangle[0]], joined.places[triangle[1]], joined.places[triangle[2]]},
+                         joined.turns[triangle[0]]);
+  }
+
+  Simplified towards(std::span<const uint32_t> fine, size_t target) {
+    Simplified result{{fine.begin(), fine.end()}, 0.0f};
+    Joined joined;
+    join(fine, joined);
+    if (joined.indices.size() / 3 <= target) return result;
+
+    std::vector<uint32_t> coarse(joined.indices.size());
     float error = 0.0f;
-    const float* first = &positions[0].x;
-    size_t count = meshopt_simplify<uint32_t>(coarse.data(), welded.data(), welded.size(), first, positions.size(),
-                                              sizeof(glm::vec3), 3 * target, kFarthestOff, 0, &error);
+    const float* first = &joined.positions[0].x;
+    size_t count = meshopt_simplify<uint32_t>(coarse.data(), joined.indices.data(), joined.indices.size(), first,
+                                              joined.positions.size(), sizeof(glm::vec3), 3 * target, kFarthestOff, 0,
+                                              &error);
     if (count > 3 * target * 3 / 2) {
       // Many small parts: no edge of theirs can go, so places that lie together become one.
-      std::vector<uint32_t> clustered(welded.size());
+      std::vector<uint32_t> clustered(joined.indices.size());
       float cluster_error = 0.0f;
-      const size_t left =
-          meshopt_simplifySloppy<uint32_t>(clustered.data(), welded.data(), welded.size(), first, positions.size(),
-                                           sizeof(glm::vec3), 3 * target, kFarthestOff, &cluster_error);
+      const size_t left = meshopt_simplifySloppy<uint32_t>(
+          clustered.data(), joined.indices.data(), joined.indices.size(), first, joined.positions.size(),
+          sizeof(glm::vec3), 3 * target, kFarthestOff, &cluster_error);
       if (left > 0 && left < count) {
         coarse = std::move(clustered);
         count = left;
@@ -211,18 +255,17 @@ class Simplifier {
       }
     }
     coarse.resize(count);
-    if (coarse.empty() || coarse.size() >= welded.size()) return result;
+    if (coarse.empty() || coarse.size() >= joined.indices.size()) return result;
     result.indices.clear();
     for (size_t t = 0; t < coarse.size(); t += 3)
-      for (const uint32_t vertex : chooseCorners({places[coarse[t]], places[coarse[t + 1]], places[coarse[t + 2]]}))
-        result.indices.push_back(vertex);
-    result.error = error * meshopt_simplifyScale(first, positions.size(), sizeof(glm::vec3));
+      for (const uint32_t vertex : corners(joined, &coarse[t])) result.indices.push_back(vertex);
+    result.error = error * meshopt_simplifyScale(first, joined.positions.size(), sizeof(glm::vec3));
     return result;
   }
 
   /// The corners of a joined triangle, one of the submesh's vertices at each of its three places: those whose normals
   /// fit it, and whose texture coordinates lie together.
-  std::array<uint32_t, 3> chooseCorners(const std::array<uint32_t, 3>& places) const {
+  std::array<uint32_t, 3> chooseCorners(const std::array<uint32_t, 3>& places, uint32_t turn) const {
     const glm::vec3 &a = mesh_.positions[places[0]], &b = mesh_.positions[places[1]], &c = mesh_.positions[places[2]];
     const glm::vec3 scaled = glm::cross(b - a, c - a);
     const float size = glm::length(scaled);
@@ -230,7 +273,7 @@ class Simplifier {
     std::array<std::vector<uint32_t>, 3> wedges;
     for (size_t k = 0; k < 3; ++k)
       for (uint32_t v = places[k]; v != kNone; v = welding_.next[v])
-        if (used_[v] == turn_) wedges[k].push_back(v);
+        if (used_[v] == turn) wedges[k].push_back(v);
     std::array<uint32_t, 3> best{wedges[0].front(), wedges[1].front(), wedges[2].front()};
     // Fans of very many triangles do not let each corner see each other one.
     if (wedges[0].size() * wedges[1].size() * wedges[2].size() > kMostCombinations) return best;
@@ -259,38 +302,61 @@ class Simplifier {
   uint32_t turn_ = 0;
 };
 
-}  // namespace
-
-void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams) {
+/// Levels of about kReduction of the triangles of the one before: `simplify(share, last)` gives the submeshes with that
+/// share of theirs.
+void addLevels(Mesh& mesh, const std::function<std::vector<Simplified>(double share, bool last)>& simplify) {
   mesh.levels.clear();
-  const size_t triangles = mesh.indices.size() / 3;
-  if (triangles < kFewestTrianglesForLevels) return;
-  Simplifier simplifier(mesh, seams);
-  size_t before = triangles;
+  size_t before = mesh.indices.size() / 3;
+  if (before < kFewestTrianglesForLevels) return;
   float error_before = 0.0f;
   double share = 1.0;
   for (size_t i = 0; i < kMostCoarserLevels; ++i) {
     share *= kReduction;
     MeshLevel level;
     level.error = error_before;
-    for (const Submesh& submesh : mesh.submeshes) {
-      const Material& material = materials[submesh.material];
-      const bool as_it_is = material.masked() || material.emission != glm::vec3(0.0f) || material.unlit;
-      const auto target = static_cast<size_t>(std::ceil(share * submesh.index_count / 3.0));
-      const Simplified coarse =
-          simplifier.simplify(submesh, as_it_is ? submesh.index_count / 3 : target, i + 1 == kMostCoarserLevels);
-      level.submeshes.push_back(submesh);
-      level.submeshes.back().first_index = static_cast<uint32_t>(level.indices.size());
-      level.submeshes.back().index_count = static_cast<uint32_t>(coarse.indices.size());
-      level.indices.insert(level.indices.end(), coarse.indices.begin(), coarse.indices.end());
-      level.error = std::max(level.error, coarse.error);
-      if (!as_it_is) orderTriangles(mesh.positions, level.indices, level.submeshes.back());
+    const std::vector<Simplified> parts = simplify(share, i + 1 == kMostCoarserLevels);
+    for (size_t part = 0; part < parts.size(); ++part) {
+      level.submeshes.push_back(mesh.submeshes[part]);
+      Submesh& coarse = level.submeshes.back();
+      coarse.first_index = static_cast<uint32_t>(level.indices.size());
+      coarse.index_count = static_cast<uint32_t>(parts[part].indices.size());
+      level.indices.insert(level.indices.end(), parts[part].indices.begin(), parts[part].indices.end());
+      level.error = std::max(level.error, parts[part].error);
+      if (coarse.index_count < mesh.submeshes[part].index_count)
+        orderTriangles(mesh.positions, level.indices, coarse);
     }
     if (static_cast<double>(level.indices.size() / 3) > kLevelShare * static_cast<double>(before)) continue;
     before = level.indices.size() / 3;
     error_before = level.error;
     mesh.levels.push_back(std::move(level));
   }
+}
+
+}  // namespace
+
+void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams) {
+  Simplifier simplifier(mesh, seams);
+  const auto asItIs = [&](const Submesh& submesh) {
+    const Material& material = materials[submesh.material];
+    return material.masked() || material.emission != glm::vec3(0.0f) || material.unlit;
+  };
+  addLevels(mesh, [&](double share, bool last) {
+    std::vector<Simplified> parts;
+    for (const Submesh& submesh : mesh.submeshes) {
+      const size_t all = submesh.index_count / 3;
+      const auto target = static_cast<size_t>(std::ceil(share * static_cast<double>(all)));
+      parts.push_back(simplifier.simplify(submesh, asItIs(submesh) ? all : target, last));
+    }
+    return parts;
+  });
+}
+
+void makeTileLevels(Mesh& mesh) {
+  Simplifier simplifier(mesh, Seams::cross);
+  const auto all = static_cast<double>(mesh.indices.size() / 3);
+  addLevels(mesh, [&](double share, bool) {
+    return simplifier.simplifyWithinOutline(static_cast<size_t>(std::ceil(share * all)));
+  });
 }
 
 std::vector<uint32_t> coarsestFirst(const Mesh& mesh) {

@@ -229,6 +229,7 @@ TEST(Lipac, BlasesThatAreSharedComeAndGoWithTheLight) {
   for (int round = 0; round < 2; ++round) {
     frame = stage.accumulate(away, small(32, 18), 140);
     EXPECT_LT(2 * frame.stats.acceleration.shared_blases, held);
+    EXPECT_EQ(frame.stats.accumulated, 140u) << "what nobody needs is in no average";
     if (round == 1) { EXPECT_EQ(frame.stats.acceleration.shared_blas_bytes, rest); }
     rest = frame.stats.acceleration.shared_blas_bytes;
     frame = stage.accumulate(camera, small(), 40);

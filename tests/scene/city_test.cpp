@@ -199,33 +199,45 @@ TEST_P(CityOfSize, TreesAndLampsAreRootedInTheGround) {
   }
 }
 
-TEST_P(CityOfSize, TilesAreWatertight) {
+TEST_P(CityOfSize, TilesAreWatertightAtEveryLevel) {
   // Every edge within a tile belongs to two triangles that run along it in opposite directions: no cracks, no
-  // T-junctions.
-  const Scene& s = scene();
-  size_t tiles = 0;
-  for (const Mesh& mesh : s.meshes) {
-    if (mesh.name.rfind("terrain_", 0) != 0 || mesh.bounds.extent().x > 65.0f) continue;
-    if (++tiles > 400) break;
-    using Point = std::array<int64_t, 3>;
+  // T-junctions. Those along its border are the same at every level, or neighbours would not meet.
+  using Point = std::array<int64_t, 3>;
+  using Edges = std::map<std::pair<Point, Point>, int>;
+  const auto openEdges = [](const Mesh& mesh, const std::vector<uint32_t>& indices) {
     const auto point = [&](uint32_t i) {
       const glm::dvec3 p = glm::dvec3(mesh.positions[i]) * 1000.0;
       return Point{std::llround(p.x), std::llround(p.y), std::llround(p.z)};
     };
-    std::map<std::pair<Point, Point>, int> edges;
-    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+    Edges edges;
+    for (size_t i = 0; i < indices.size(); i += 3) {
       for (size_t k = 0; k < 3; ++k) {
-        const Point a = point(mesh.indices[i + k]), b = point(mesh.indices[i + (k + 1) % 3]);
+        const Point a = point(indices[i + k]), b = point(indices[i + (k + 1) % 3]);
         if (a < b) ++edges[{a, b}];
         else --edges[{b, a}];
       }
     }
-    const auto onBorder = [](const Point& p) { return std::llabs(p[0]) >= 31'999 || std::llabs(p[2]) >= 31'999; };
-    size_t open = 0;
-    for (const auto& [edge, balance] : edges) open += balance != 0 && !(onBorder(edge.first) && onBorder(edge.second));
-    EXPECT_EQ(open, 0u) << mesh.name << ": of " << edges.size() << " edges";
+    std::erase_if(edges, [](const auto& edge) { return edge.second == 0; });
+    return edges;
+  };
+  const auto onBorder = [](const Point& p) { return std::llabs(p[0]) >= 31'999 || std::llabs(p[2]) >= 31'999; };
+  const Scene& s = scene();
+  size_t tiles = 0, triangles = 0, coarsest = 0;
+  for (const Mesh& mesh : s.meshes) {
+    if (mesh.name.rfind("terrain_", 0) != 0 || mesh.bounds.extent().x > 65.0f) continue;
+    if (++tiles > 400) break;
+    const Edges outline = openEdges(mesh, mesh.indices);
+    for (const auto& [edge, balance] : outline)
+      EXPECT_TRUE(onBorder(edge.first) && onBorder(edge.second)) << mesh.name << " of " << outline.size() << " edges";
+    triangles += mesh.indices.size() / 3;
+    coarsest += (mesh.levels.empty() ? mesh.indices : mesh.levels.back().indices).size() / 3;
+    for (const MeshLevel& level : mesh.levels) {
+      EXPECT_EQ(openEdges(mesh, level.indices), outline) << mesh.name << ", level " << &level - mesh.levels.data();
+      EXPECT_LT(level.error, 0.5f) << mesh.name;
+    }
   }
   EXPECT_GE(tiles, 16u);
+  EXPECT_LT(3 * coarsest, triangles);
 }
 
 TEST_P(CityOfSize, CamerasSeeTheCity) {
