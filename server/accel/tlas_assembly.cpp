@@ -55,8 +55,8 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
-  if (count <= capacity_ && capacity_ <= 2 * bucketAbove(count + count / 4)) return;
   const uint32_t capacity = bucketAbove(count + count / 4);
+  if (count <= capacity_ && 2 * capacity_ <= 3 * capacity) return;
   gpu::Buffer instances(
       device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
                 gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});

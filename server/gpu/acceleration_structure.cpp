@@ -168,7 +168,7 @@ void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) 
   build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
   build.geometryCount = 1;
   build.pGeometries = &geometry;
-  if (!structure_ || count > capacity_ || count < capacity_ / 4) {
+  if (!structure_ || count != capacity_) {
     const auto size = sizes(device, build, &count);
     AccelerationStructure structure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
                                     size.accelerationStructureSize);
