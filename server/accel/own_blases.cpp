@@ -6,8 +6,8 @@ namespace helio::accel {
 namespace {
 
 constexpr uint64_t kVertexChunk = 1u << 20, kStructureChunk = 2u << 20;  // bytes
-constexpr uint64_t kStructureAlignment = 256;  // what Vulkan asks for
-constexpr uint32_t kMostRows = 65'535;         // groups along y of one dispatch
+constexpr uint64_t kStructureAlignment = 256;                            // what Vulkan asks for
+constexpr uint32_t kMostRows = 65'535;                                   // groups along y of one dispatch
 
 }  // namespace
 

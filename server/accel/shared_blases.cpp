@@ -38,6 +38,7 @@ void SharedBlases::beginTick() {
   pending_.clear();
   copies_.clear();
   figures_ = {};
+  grew_ = false;
   for (Entry& entry : entries_) entry.fresh = false;
   compactLast();
 }
@@ -137,6 +138,7 @@ void SharedBlases::plan(uint64_t tick, BlasBatch& batch) {
     batch.spend(shape.triangles);
     batch.add({entry.blas.handle(), shape.geometries, gpu::BlasKind::still}, entry.sizes.build_scratch);
     ++figures_.built;
+    grew_ = true;
     figures_.triangles += shape.triangles;
   }
   for (uint32_t record = 0; record < entries_.size(); ++record)
@@ -160,8 +162,8 @@ void SharedBlases::planAll(uint64_t tick, gpu::Commands& commands) {
     inputs.push_back({shapes_[record].name, shapes_[record].geometries});
     built.push_back(record);
   }
-  figures_.built = static_cast<uint32_t>(built.size());
   if (built.empty()) return;
+  grew_ = true;
   commands.begin();
   std::vector<gpu::AccelerationStructure> blases = gpu::buildBlases(commands, inputs);
   commands.submit();

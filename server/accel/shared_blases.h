@@ -54,6 +54,8 @@ class SharedBlases {
 
   /// The mesh table changed since the last upload(), so that the TLAS must be assembled anew.
   bool dirty() const { return dirty_; }
+  /// By this tick: rays may meet what they did not meet before.
+  bool grew() const { return grew_; }
   bool hasWork() const { return !pending_.empty() || !copies_.empty(); }
   /// Records the copies (transfer writes).
   void upload(gpu::Commands& commands);
@@ -111,7 +113,7 @@ class SharedBlases {
   std::vector<gpu::AccelerationStructure> retired_;  // copied by this tick
   gpu::CompactionQuery query_;
   std::vector<uint32_t> asked_sizes_;  // records that query_ asked about
-  bool dirty_ = true;
+  bool dirty_ = true, grew_ = false;
   gpu::Buffer table_, needs_, needs_readback_;
 };
 

@@ -152,7 +152,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 
   try {
     planStructures(changes, requests, viewers, moved);
-    const bool built = !blas_batch_.empty() || shared_blases_.figures().built > 0;
+    const bool built = !blas_batch_.empty() || shared_blases_.grew();
     // What culls follows the cameras, or the light.
     reassemble_ = reassemble_ || edited || moved || built || instances_.orderDirty() || shared_blases_.dirty() ||
                   strategy_->volumes() != nullptr || lipac_;

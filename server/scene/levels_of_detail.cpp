@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kReduction = 0.35;    // of triangles, a level
 constexpr float kFarthestOff = 0.25f;  // of the mesh's extent: what is coarser than that is no longer this mesh
-constexpr float kTileOff = 0.005f;     // the same of a tile: its outline stays, so that more would hardly save triangles
-constexpr float kMeeting = 1e-5f;      // of the mesh's extent: vertices nearer than about that are at one place
+constexpr float kTileOff = 0.005f;  // the same of a tile: its outline stays, so that more would hardly save triangles
+constexpr float kMeeting = 1e-5f;   // of the mesh's extent: vertices nearer than about that are at one place
 constexpr size_t kMostCombinations = 1'000;
 constexpr float kAreaKept = 0.7f;     // of what faces a direction
 constexpr float kAreaIgnored = 0.1f;  // of the largest such area: sides as small as that may change
@@ -238,16 +238,16 @@ class Simplifier {
     std::vector<uint32_t> coarse(joined.indices.size());
     float error = 0.0f;
     const float* first = &joined.positions[0].x;
-    size_t count = meshopt_simplify<uint32_t>(coarse.data(), joined.indices.data(), joined.indices.size(), first,
-                                              joined.positions.size(), sizeof(glm::vec3), 3 * target, kFarthestOff, 0,
-                                              &error);
+    size_t count =
+        meshopt_simplify<uint32_t>(coarse.data(), joined.indices.data(), joined.indices.size(), first,
+                                   joined.positions.size(), sizeof(glm::vec3), 3 * target, kFarthestOff, 0, &error);
     if (count > 3 * target * 3 / 2) {
       // Many small parts: no edge of theirs can go, so places that lie together become one.
       std::vector<uint32_t> clustered(joined.indices.size());
       float cluster_error = 0.0f;
-      const size_t left = meshopt_simplifySloppy<uint32_t>(
-          clustered.data(), joined.indices.data(), joined.indices.size(), first, joined.positions.size(),
-          sizeof(glm::vec3), 3 * target, kFarthestOff, &cluster_error);
+      const size_t left = meshopt_simplifySloppy<uint32_t>(clustered.data(), joined.indices.data(),
+                                                           joined.indices.size(), first, joined.positions.size(),
+                                                           sizeof(glm::vec3), 3 * target, kFarthestOff, &cluster_error);
       if (left > 0 && left < count) {
         coarse = std::move(clustered);
         count = left;
@@ -322,8 +322,7 @@ void addLevels(Mesh& mesh, const std::function<std::vector<Simplified>(double sh
       coarse.index_count = static_cast<uint32_t>(parts[part].indices.size());
       level.indices.insert(level.indices.end(), parts[part].indices.begin(), parts[part].indices.end());
       level.error = std::max(level.error, parts[part].error);
-      if (coarse.index_count < mesh.submeshes[part].index_count)
-        orderTriangles(mesh.positions, level.indices, coarse);
+      if (coarse.index_count < mesh.submeshes[part].index_count) orderTriangles(mesh.positions, level.indices, coarse);
     }
     if (static_cast<double>(level.indices.size() / 3) > kLevelShare * static_cast<double>(before)) continue;
     before = level.indices.size() / 3;

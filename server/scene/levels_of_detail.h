@@ -24,8 +24,8 @@ inline constexpr double kLevelShare = 0.7;
 /// version of the library.
 void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams);
 
-/// The same for a tile of a larger surface, whose materials neither shine nor are cut out by masks: its outline stays as
-/// it is, so that neighbours meet whatever level each has, and no gap opens between its submeshes.
+/// The same for a tile of a larger surface, whose materials neither shine nor are cut out by masks: its outline stays
+/// as it is, so that neighbours meet whatever level each has, and no gap opens between its submeshes.
 void makeTileLevels(Mesh& mesh);
 
 /// The mesh's vertices so that each level's lie before those that only finer levels use: `order[i]` is the i-th one.

@@ -75,6 +75,15 @@ float levelGap(InstanceRecord instance, MeshRecord rasterised, uint level) {
   return sqrt(maxComponent(scale)) * (rasterised.error + traced.error);
 }
 
+// A geometry of a BLAS may hold several submeshes, one behind the other: which of them a ray met.
+Hit inSubmesh(Hit hit) {
+  if (hit.primitive == kNothing) return hit;
+  const MeshRecord mesh = meshLevel(InstanceTable(frame.instances).items[hit.slot], hit.level);
+  GeometryTable geometries = GeometryTable(frame.geometries);
+  for (uint count; hit.primitive >= (count = geometries.items[mesh.first_geometry + hit.geometry].triangle_count); ++hit.geometry) hit.primitive -= count;
+  return hit;
+}
+
 float reachOf(Triangle t) { return maxComponent(max(abs(t.p[0]), max(abs(t.p[1]), abs(t.p[2])))); }
 
 Triangle loadTriangle(InstanceRecord instance, uint geometry_index, uint primitive) {

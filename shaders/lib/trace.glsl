@@ -16,7 +16,7 @@ const uint kOpaque = kAlphaMasks ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
 Hit traceSurface(vec3 origin, vec3 direction) {
   hit_payload.primitive = kNothing;
   traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, kFar, 0);
-  return hit_payload;
+  return inSubmesh(hit_payload);
 }
 
 // Nothing within `distance`?
@@ -91,7 +91,7 @@ Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint l
   const Hit hit = kAnyHitBoxes ? traceNotingBoxes(origin, direction, distance, flags, leaves, marked)
                                : traceThroughBoxes(origin, direction, distance, flags, leaves, marked);
   if (counts_ && hit.primitive != kNothing) countInstance(hit.slot, marked);
-  return hit;
+  return (flags & gl_RayFlagsTerminateOnFirstHitEXT) != 0u ? hit : inSubmesh(hit);
 }
 
 #endif

@@ -1,7 +1,8 @@
 // The scene on the GPU: tables of meshes, geometries, materials, instances and emitters.
 //
 // Contract: an instance's slot is its index in the instance table, its custom index in the TLAS, and what the
-// visibility image holds. `MeshRecord.first_geometry + gl_GeometryIndexEXT` is the geometry record of a hit.
+// visibility image holds. `MeshRecord.first_geometry + gl_GeometryIndexEXT` is the geometry record of a hit, or the
+// first of several that are one geometry of the BLAS, one behind the other (inSubmesh, lib/surface.glsl).
 #ifndef HELIO_SHARED_SCENE_H
 #define HELIO_SHARED_SCENE_H
 #include "shared/types.h"
@@ -60,6 +61,7 @@ struct GeometryRecord {
   uint material;
   uint emitter_offset;  // of this geometry's first triangle among its mesh's emissive triangles; kNoTexture: not
                         // emissive
+  uint triangle_count;
 };
 
 // There are two tables of these, alike but for levels of detail whose BLASes are not there: the mesh table, and that of

@@ -62,7 +62,7 @@ class Lipac(unittest.TestCase):
         runs = {run["rules"]: run for run in report["runs"]}
         self.assertEqual(set(runs), {"lipac", "lipac_literal"})
         for run in runs.values():
-            self.assertLessEqual(run["changed_again"], run["changed"])
+            self.assertLessEqual(run["went_back"], run["changed"])
 
     def test_thresholds(self):
         report = bench("thresholds", "--thresholds", "30,30000", "--warmup", "24", "--frames", "2", "--samples", "8")

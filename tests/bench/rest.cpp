@@ -7,17 +7,20 @@
 #include "bench/plot.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "shared/lipac.h"
 
 namespace helio::bench {
 namespace {
 
 constexpr const char* kNotes = R"(What is measured:
   A city whose clock stands, seen by a camera that rests: how many instances change their state in ticks --warmup to
-  --warmup + --frames, and how many of those more than once. lipac, and the paper's rules to the letter beside it.
+  --warmup + --frames, and how many of those entered and left. lipac, and the paper's rules to the letter beside it.
 
 Examples:
   helio-bench rest --instances 2000 --animated 500 --size 160x90 --warmup 30 --frames 30
   helio-bench rest --instances 100000 --animated 6000 --size 1920x1080 --device NVIDIA --json)";
+
+bool isActive(const render::CulledInstance& instance) { return instance.state == shared::kStateActive; }
 
 struct RestOptions {
   CullingStage common;
@@ -26,10 +29,10 @@ struct RestOptions {
 
 struct RestRun {
   uint64_t instances = 0;
-  uint64_t changed = 0;        // instances
-  uint64_t changed_again = 0;  // those of them that changed more than once
-  uint32_t most = 0;           // changes of one instance
-  Series by_tick;              // instances that changed in a tick
+  uint64_t changed = 0;    // instances
+  uint64_t went_back = 0;  // those of them that entered the TLAS and left it again, or the other way round
+  uint32_t most = 0;       // times that one entered or left
+  Series by_tick;          // instances that changed in a tick
 };
 
 Result<RestRun> measure(const RestOptions& options, const OpenStage& stage, const render::ViewSettings& settings,
@@ -41,25 +44,28 @@ Result<RestRun> measure(const RestOptions& options, const OpenStage& stage, cons
   if (!world) return world.error();
   RestRun run{stage.scene->placements.size(), 0, 0, 0, {literal ? "lipac_literal" : "lipac", {}}};
   std::vector<render::CulledInstance> before;
-  std::vector<uint32_t> changes;
+  std::vector<bool> changed_at_all;
+  std::vector<uint32_t> passages;
   for (uint32_t t = 0; t < options.warmup + options.frames; ++t, progress.step()) {
     if (const auto frame = (*world)->tick(stage.camera->camera, settings, 0.0); !frame) return frame.error();
     if (t + 1 < options.warmup) continue;
     auto now = (*world)->instances();
     if (!now) return now.error();
-    changes.resize(now->size());
+    changed_at_all.resize(now->size());
+    passages.resize(now->size());
     uint32_t changed = 0;
     for (size_t slot = 0; slot < before.size(); ++slot) {
       if ((*now)[slot].state == before[slot].state) continue;
       ++changed;
-      ++changes[slot];
+      changed_at_all[slot] = true;
+      passages[slot] += isActive((*now)[slot]) != isActive(before[slot]);
     }
     if (!before.empty()) run.by_tick.points.emplace_back(t, changed);
     before = std::move(*now);
   }
-  for (const uint32_t count : changes) {
-    run.changed += count > 0;
-    run.changed_again += count > 1;
+  run.changed = static_cast<uint64_t>(std::count(changed_at_all.begin(), changed_at_all.end(), true));
+  for (const uint32_t count : passages) {
+    run.went_back += count > 1;
     run.most = std::max(run.most, count);
   }
   return run;
@@ -91,7 +97,7 @@ Result<void> measureRest(const RestOptions& options, const std::string& command_
                                  grouped(runs.front().instances), options.common.width, options.common.height,
                                  options.warmup, options.warmup + options.frames);
   text += markdown(source) + "\n";
-  Table table({"rules", "instances that change", "%", "more than once", "most changes of one"});
+  Table table({"rules", "instances that change", "%", "that went back", "most passages of one"});
   std::vector<Chart> charts{{"Instances that change state", "tick", {}}};
   for (const RestRun& run : runs) {
     const double share = 100.0 * static_cast<double>(run.changed) / static_cast<double>(run.instances);
@@ -99,9 +105,9 @@ Result<void> measureRest(const RestOptions& options, const std::string& command_
                             {"instances", run.instances},
                             {"changed", run.changed},
                             {"changed_percent", share},
-                            {"changed_again", run.changed_again},
-                            {"most_changes", run.most}});
-    table.add({run.by_tick.name, grouped(run.changed), fixed(share, 3), grouped(run.changed_again), grouped(run.most)});
+                            {"went_back", run.went_back},
+                            {"most_passages", run.most}});
+    table.add({run.by_tick.name, grouped(run.changed), fixed(share, 3), grouped(run.went_back), grouped(run.most)});
     charts.front().series.push_back(run.by_tick);
   }
   return publish(options.common, json.dump(2), text + table.markdown(), toSvg(charts));
