@@ -341,6 +341,7 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.box_flags = VK_GEOMETRY_INSTANCE_TRIANGLE_FACING_CULL_DISABLE_BIT_KHR;
   if (settings_.box_hits == BoxHits::any_hit) tick_.box_flags |= VK_GEOMETRY_INSTANCE_FORCE_NO_OPAQUE_BIT_KHR;
   tick_.literal = settings_.literal;
+  tick_.rests = world.rests;
   figures_.upload_ms = millisecondsSince(start);
 }
 

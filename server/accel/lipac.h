@@ -24,6 +24,7 @@ struct LipacWorld {
   VkDeviceAddress needs = 0;      ///< SharedBlases::needs(); 0: nobody asks
   uint32_t count = 0;             ///< entries of the order
   uint32_t slots = 0;
+  bool rests = false;  ///< neither viewers nor what they see moves: nothing tells that bounds fit better now
 };
 
 /// A square of cells in the ground plane, a power of two wide.

@@ -66,11 +66,13 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
           }};
 }
 
+bool View::isAt(const scene::Camera& camera) const { return same(camera_, camera); }
+
 void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
                  uint64_t tick, uint32_t ray_log_stride) {
   const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
   jumped_ = resized || isJump(camera_, camera);
-  const bool goes_on = !resized && !scene_changed && same(camera_, camera) && continues(settings_, settings);
+  const bool goes_on = !resized && !scene_changed && isAt(camera) && continues(settings_, settings);
   const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
   const bool was_accumulating = averaging();
   const bool same_light = !resized && continues(settings_, settings);

@@ -54,6 +54,7 @@ class View {
   bool counts_hits = false;  ///< in this tick
 
   const scene::Camera& camera() const { return camera_; }
+  bool isAt(const scene::Camera& camera) const;  ///< the last tick's
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
   bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }

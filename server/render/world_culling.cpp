@@ -87,7 +87,7 @@ void WorldRenderer::uploadCulling(gpu::Commands& commands) {
   tlas_.reserve(commands, lipac_->wantedEntries(count));
   lipac_->upload(commands,
                  {instances_.orderBuffer().address(), instances_.recordBuffer().address(), shared_blases_.table(),
-                  shared_blases_.needs(), count, static_cast<uint32_t>(instances_.records().size())},
+                  shared_blases_.needs(), count, static_cast<uint32_t>(instances_.records().size()), rests_},
                  static_cast<uint32_t>(units_.units().size()));
 }
 

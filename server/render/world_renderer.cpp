@@ -176,6 +176,9 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
 
 std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::span<const ViewRequest> requests,
                                          bool scene_changed) {
+  rests_ = !scene_changed && std::all_of(requests.begin(), requests.end(), [this](const ViewRequest& request) {
+    return views_.at(request.view)->isAt(request.camera);
+  });
   commands_.begin();
   const bool rasterises = std::any_of(requests.begin(), requests.end(), [this](const ViewRequest& request) {
     return usesRaster(request.settings) || usesShadowMap(request.settings, effects_);

@@ -100,6 +100,7 @@ class WorldRenderer {
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
   bool cast_by_map_ = false;
   bool guided_ = false;  // lipac_ decides about this tick: nobody needs everything
+  bool rests_ = false;   // neither the scene nor a camera moves in this tick
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;

@@ -57,7 +57,7 @@ void enter(inout Counter c, uint state) {
 void smoothHits(inout Counter c, uint hits, uint index) {
   const uint most = min(hits, kSmoothedMost);
   c.smoothed = lipac.literal != 0u ? most : ((lipac.smoothing - 1u) * c.smoothed + most + lipac.smoothing / 2u) / lipac.smoothing;
-  if (c.cycles > 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
+  if (c.cycles > 0u && lipac.rests == 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
 }
 
 // Hits above `threshold` for `ticks` ticks, or above twice of it in this one. Each cycle doubles the threshold.

@@ -26,7 +26,7 @@ HELIO_CONSTANT kSmoothedShift = 13u;
 HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
 
 HELIO_CONSTANT kSmoothing = 16u;      // ticks
-HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten
+HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten, unless nothing moves
 HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
 
 // A counter of a tick: weighted hits in 1/8, so that a hit in a picture of 1920 x 1080 paths weighs 8.
@@ -150,6 +150,7 @@ struct LipacTick {
   uint mitigation;  // 1: what comes into an active hitbox is active at once
   uint box_flags;   // of boxes in the TLAS: VkGeometryInstanceFlagsKHR
   uint literal;     // 1: the paper's rules, without smoothing and damping
+  uint rests;       // 1: nothing moves, so no cycle is forgotten
 };
 
 struct LipacPush {

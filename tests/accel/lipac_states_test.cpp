@@ -32,13 +32,14 @@ uint32_t packed(const Model& m) {
 struct Rules {
   LipacSettings settings;
   uint32_t tick = 0;
+  bool rests = false;
 
   static uint32_t units(float hits) { return static_cast<uint32_t>(hits * 8.0f + 0.5f); }
 
   void take(Model& m, uint32_t hits, uint32_t index) const {
     const uint32_t most = std::min(hits, 524'287u);
     m.smoothed = settings.literal ? most : (15 * m.smoothed + most + 8) / 16;
-    if (m.cycles > 0 && (tick + index) % 256 == 0) --m.cycles;
+    if (m.cycles > 0 && !rests && (tick + index) % 256 == 0) --m.cycles;
   }
   void change(Model& m, uint32_t state) const {
     m.state = state;
@@ -133,7 +134,9 @@ class LipacStates : public LipacFixture {
           boxes[cell_ids[c]].hits = cell_levels[c] / 2 + below(cell_levels[c] + 1);
 
       commands.begin();
-      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances}, kInstances);
+      rules.rests = t / 64 % 2 == 1;
+      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.rests},
+                   kInstances);
       barrier();
       lipac.assemble(commands, output.address(), 64);
       barrier();
