@@ -26,7 +26,7 @@ struct LipacSettings {
   float sight_radius = 32.0f;    ///< metres: the margin of a viewer's frustum; [0, 1e6]
   uint32_t sight_blocks = 1024;  ///< blocks of 64 instances that a tick may look into; [1, 1,000,000]
   /// Of a picture with more paths than this only so many count, in tiles and in turn; [1024, 16,777,216].
-  uint32_t counted_paths = 131'072;
+  uint32_t counted_paths = 262'144;
   BoxHits box_hits = BoxHits::closest_hit;
   /// The paper's rules to the letter: no smoothing, no n_a and n_d for instances, no damping of cycles.
   bool literal = false;
