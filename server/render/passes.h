@@ -5,6 +5,7 @@
 #include "render/passes/asvgf.h"
 #include "render/passes/bare_trace.h"
 #include "render/passes/culling_view.h"
+#include "render/passes/error_estimate.h"
 #include "render/passes/exposure.h"
 #include "render/passes/inspect.h"
 #include "render/passes/motion.h"
@@ -33,6 +34,7 @@ struct Passes {
         tonemap(device),
         svgf(device),
         asvgf(device),
+        error_estimate(device),
         taa(device),
         inspect(device),
         culling_view(device),
@@ -63,6 +65,7 @@ struct Passes {
   Tonemap tonemap;
   Svgf svgf;
   Asvgf asvgf;
+  ErrorEstimate error_estimate;
   Taa taa;
   InspectPass inspect;
   CullingViewPass culling_view;

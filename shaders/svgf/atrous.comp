@@ -12,6 +12,7 @@ layout(constant_id = 0) const bool kLast = false;
 const float kKernel[3] = float[](3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0);  // B3 spline
 // Of a picture that stands still, the plain mean takes over between so many samples: in the end it is what is right.
 const float kMeanFrom = 64.0, kMeanAlone = 1024.0;
+const float kErrorEpsilon = 0.01;  // of relative errors: server/render/metrics/image.h
 
 // Standard deviation, smoothed by a 3 x 3 Gaussian: single estimates are too noisy to steer by.
 vec2 smoothDeviation(ivec2 pixel) {
@@ -61,6 +62,14 @@ vec3 modulated(ivec2 pixel, LobeLight light) {
   return radiance / history.unit;
 }
 
+// Of radiance, per channel, where the lobes' luminances deviate so.
+vec3 modulatedVariance(ivec2 pixel, vec2 deviation) {
+  const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
+  if (albedos.x == 0u) return vec3(0.0);
+  const vec3 diffuse = unpackAlbedo(albedos.x) * deviation.x, specular = unpackAlbedo(albedos.y) * deviation.y;
+  return (diffuse * diffuse + specular * specular) / (history.unit * history.unit);
+}
+
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
@@ -76,9 +85,15 @@ void main() {
     return;
   }
   vec3 radiance = modulated(pixel, light);
+  vec3 variance = modulatedVariance(pixel, light.deviation);
   if (float(filter_.accumulated) > kMeanFrom) {
     const float share = smoothstep(log2(kMeanFrom), log2(kMeanAlone), log2(float(filter_.accumulated)));
     radiance = mix(radiance, imageLoad(images_rgba32f[filter_.mean], pixel).rgb, share);
+    const vec2 of_a_sample = unpackHalf4(imageLoad(images_rg32ui[history.moments], pixel).xy).yw;
+    const vec3 of_the_mean = modulatedVariance(pixel, of_a_sample) / float(filter_.accumulated);
+    variance = (1.0 - share) * (1.0 - share) * variance + share * share * of_the_mean;
   }
-  imageStore(images_rgba32f[frame.radiance], pixel, vec4(radiance, 1.0));
+  // Beside the light: how noisy it is, as errors are counted.
+  const vec3 relative = variance / (radiance * radiance + kErrorEpsilon);
+  imageStore(images_rgba32f[frame.radiance], pixel, vec4(radiance, dot(relative, vec3(1.0 / 3.0))));
 }
