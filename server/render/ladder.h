@@ -28,8 +28,7 @@ inline constexpr std::array<Preset, 6> kLadder{{
 }};
 inline constexpr size_t kRungs = kLadder.size();
 
-/// A rung's settings for a viewer who asked for `wanted`: with temporal anti-aliasing, and with a denoiser, SVGF unless
-/// another was chosen.
+/// A rung's settings for a viewer who asked for `wanted`: with a denoiser, SVGF unless another was chosen.
 ViewSettings onRung(const ViewSettings& wanted, size_t rung);
 
 /// Milliseconds of the passes whose time grows with the rung, of a frame; the others are the world's, or cost the same
@@ -55,8 +54,8 @@ struct PriceList {
   }
 };
 
-/// The list that comes with the program for this kind of device: a graphics processor's, or a software device's.
-const PriceList& priceListFor(const DeviceInfo& device);
+/// The list that comes with the program.
+const PriceList& usualPrices();
 
 /// The rung whose prices say most about these settings: of those that have no more bounces, the last that has no more
 /// samples.

@@ -155,8 +155,8 @@ Result<std::unique_ptr<Server>> Server::start(ServerConfig config, render::Rende
   auto access = config.keys.empty() ? Result<std::unique_ptr<AccessControl>>(std::make_unique<AccessControl>())
                                     : AccessControl::open(access::KeyFolder(config.keys));
   if (!access) return access.error();
-  auto prices = config.price_list.empty() ? Result<render::PriceList>(render::priceListFor(renderer.device()))
-                                          : readPriceList(config.price_list);
+  auto prices =
+      config.price_list.empty() ? Result<render::PriceList>(render::usualPrices()) : readPriceList(config.price_list);
   if (!prices) return prices.error();
   if (!config.on_fatal)
     config.on_fatal = [](const Error& error) {

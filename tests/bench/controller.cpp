@@ -132,7 +132,7 @@ Result<void> measureController(const ControllerOptions& options, const std::stri
   const auto stage = openStage(options.common);
   if (!stage) return stage.error();
   const Provenance source = provenance(stage->renderer->device(), command_line);
-  auto prices = options.prices.empty() ? Result<render::PriceList>(render::priceListFor(stage->renderer->device()))
+  auto prices = options.prices.empty() ? Result<render::PriceList>(render::usualPrices())
                                        : service::readPriceList(options.prices);
   if (!prices) return prices.error();
   auto flight = fly(options, *stage, *prices, *wanted);

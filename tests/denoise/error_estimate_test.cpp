@@ -110,7 +110,7 @@ struct Session {
 template <typename Observed>
 Session play(const scene::ScenePtr& scene, uint32_t ticks, const Observed& observed) {
   Stage stage(scene);
-  Controller controller(render::priceListFor(renderer().device()), {Goal::Kind::max_frame_ms, 10'000.0});
+  Controller controller(render::usualPrices(), {Goal::Kind::max_frame_ms, 10'000.0});
   render::ViewSettings wanted = small(Denoiser::none);
   wanted.width = 32;
   wanted.height = 18;

@@ -50,7 +50,7 @@ TEST_F(PriceFileTest, WhatIsNoneIsNamed) {
   };
   refused("no JSON", "parse error");
   refused(R"({"schema":"heliograph.shot/1"})", "schema");
-  refused(document(render::kRungs - 1), std::string("no point preset/") + render::kLadder.back().name);
+  refused(document(render::kRungs - 1), "no point preset/finest");
   refused(document(render::kRungs, 0.0), "is not above 0");
   EXPECT_EQ(service::readPriceList(folder_ / "nowhere.json").error().kind, ErrorKind::not_found);
 }
