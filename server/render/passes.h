@@ -30,11 +30,11 @@ struct Passes {
         path_trace(device),
         accumulate(device),
         statistics(device),
+        error_estimate(device),
         exposure(device),
         tonemap(device),
         svgf(device),
         asvgf(device),
-        error_estimate(device),
         taa(device),
         inspect(device),
         culling_view(device),
@@ -61,11 +61,11 @@ struct Passes {
   PathTrace path_trace;
   Accumulate accumulate;
   Statistics statistics;
+  ErrorEstimate error_estimate;
   Exposure exposure;
   Tonemap tonemap;
   Svgf svgf;
   Asvgf asvgf;
-  ErrorEstimate error_estimate;
   Taa taa;
   InspectPass inspect;
   CullingViewPass culling_view;
