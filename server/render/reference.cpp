@@ -10,6 +10,8 @@ ViewSettings referenceOf(const ViewSettings& live, uint32_t bounces, double expo
   settings.mode = Mode::reference;
   settings.bounces = bounces;
   settings.roulette = true;  // unbiased, and bounces are many
+  // Live pictures are made of the low-discrepancy points: noise that both had in common would not count as error.
+  settings.sampler = Sampler::independent;
   settings.accumulate = true;
   settings.keep_radiance = true;
   settings.auto_exposure = false;

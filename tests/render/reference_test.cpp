@@ -101,8 +101,10 @@ TEST(Reference, AConvergedLivePictureIsAsFarFromItAsNoiseIs) {
               errors[1], errors[2], floor);
   EXPECT_LT(errors[1], 0.7 * errors[0]);
   EXPECT_LT(errors[2], 0.7 * errors[1]);
-  // At as many samples as the reference has, two independent pictures of the same noise are compared: twice the floor.
-  EXPECT_NEAR(errors[2] / (2.0 * floor), 1.0, 0.5);
+  // At as many samples as the reference has the noise of two independent pictures is compared. The live one's points
+  // are no worse than the reference's hashes, so what is left lies between the floor and twice the floor.
+  EXPECT_GT(errors[2], 0.85 * floor);
+  EXPECT_LT(errors[2], 2.3 * floor);
 }
 
 TEST(Reference, IsShownWithTheLivePicturesExposure) {
