@@ -100,6 +100,7 @@ void addPrefabs(CLI::App& app, Common& common);
 void addEdit(CLI::App& app, Common& common);
 void addShot(CLI::App& app, Common& common);
 void addView(CLI::App& app, Common& common);
+void addAccuracy(CLI::App& app, Common& common);
 void addTop(CLI::App& app, Common& common);
 void addLogin(CLI::App& app, Common& common);
 void addToken(CLI::App& app, Common& common);

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   helio worlds create city --city 10000
   helio shot city --camera city_at_sunset --out sunset.png
   helio view city --script scenes/tours/demo.json --out frames
+  helio accuracy --world city --viewer 1 --out accuracy
   helio top
   helio token create "Ann" --scope edit --world city
 helio COMMAND --help has the flags and examples of a command.)");
@@ -24,6 +25,7 @@ helio COMMAND --help has the flags and examples of a command.)");
   addEdit(app, common);
   addShot(app, common);
   addView(app, common);
+  addAccuracy(app, common);
   addTop(app, common);
   addLogin(app, common);
   addToken(app, common);

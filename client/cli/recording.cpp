@@ -31,6 +31,20 @@ Json stages(const v1::Stages& stages, double present_ms) {
           {"present", rounded(present_ms)}};
 }
 
+/// With what it was decided by: the decisions of a session can be made again from its frames.
+Json decision(const v1::Decision& d) {
+  return {{"preset", d.preset()},
+          {"rung", d.rung()},
+          {"predicted_ms", rounded(double(d.predicted_ms()))},
+          {"predicted_error", d.predicted_error()},
+          {"within_reach", d.within_reach()},
+          {"reason", d.reason()},
+          {"measured_ms", d.measured_ms()},
+          {"scaling_ms", d.scaling_ms()},
+          {"measured_variance", d.has_measured_variance() ? Json(d.measured_variance()) : Json()},
+          {"still", d.still()}};
+}
+
 }  // namespace
 
 void Recording::add(const v1::Frame& frame, const Shown& shown) {
@@ -75,6 +89,10 @@ void Recording::add(const v1::Frame& frame, const Shown& shown) {
       {"triangles_drawn", telemetry.triangles_drawn()},
       {"nonfinite", telemetry.nonfinite()},
       {"exposure", telemetry.exposure()},
+      {"decision", telemetry.has_decision() ? decision(telemetry.decision()) : Json()},
+      {"error", telemetry.has_error()
+                    ? Json{{"variance", telemetry.error().variance()}, {"bias", telemetry.error().bias()}}
+                    : Json()},
       {"world_time", telemetry.time()},
       {"stages", stages(telemetry.stages(), shown.present_ms)},
       {"motion_to_photon_ms", orNull(shown.motion_to_photon_ms)},

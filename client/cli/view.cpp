@@ -17,7 +17,7 @@ struct ViewOptions {
                                      materials = "none";
   bool tour = false;
   uint32_t frames = 0, bounces = 3, samples = 1, max_fps = 30, quality = 80, max_kbps = 0, reattach = 30;
-  double seconds = 0;
+  double seconds = 0, max_frame_ms = 0, max_error = 0;
   v1::LightTransport light;
   Approximations approximations;
 };
@@ -34,6 +34,8 @@ v1::Settings settingsOf(const ViewOptions& options) {
   settings.set_materials(parseMaterials(options.materials));
   *settings.mutable_light_transport() = options.light;
   options.approximations.put(settings);
+  if (options.max_frame_ms > 0) settings.mutable_goal()->set_max_frame_ms(static_cast<float>(options.max_frame_ms));
+  if (options.max_error > 0) settings.mutable_goal()->set_max_error(static_cast<float>(options.max_error));
   settings.mutable_stream()->set_max_fps(options.max_fps);
   settings.mutable_stream()->set_jpeg_quality(options.quality);
   settings.mutable_stream()->set_max_kbps(options.max_kbps);
@@ -77,6 +79,8 @@ Json describe(const ViewOptions& options, const v1::ServerInfo& server, const v1
             {"bounces", settings.bounces()},
             {"samples", settings.samples()},
             {"materials", options.materials},
+            {"max_frame_ms", settings.goal().has_max_frame_ms() ? Json(options.max_frame_ms) : Json()},
+            {"max_error", settings.goal().has_max_error() ? Json(options.max_error) : Json()},
             {"max_fps", settings.stream().max_fps()},
             {"jpeg_quality", settings.stream().jpeg_quality()}}},
           {"script", !options.script.empty() ? Json(options.script)
@@ -180,6 +184,7 @@ void addView(CLI::App& app, Common& common) {
   helio view city --script scenes/tours/demo.json --out frames
   helio view city --tour --size 320x180 --seconds 20
   helio view city --camera forest --frames 10 --json
+  helio view city --tour --max-frame-ms 16 --out frames
 client/cli/README.md documents tours and telemetry.json.)");
   command->add_option("world", options->world, "a world of the server")->required();
   command->add_option("--script", options->script, "a tour");
@@ -197,6 +202,16 @@ client/cli/README.md documents tours and telemetry.json.)");
       ->check(CLI::IsMember({"raster", "traced"}));
   command->add_option("--bounces", options->bounces, "0 to 32")->capture_default_str();
   command->add_option("--spp", options->samples, "paths a pixel a frame, 1 to 64")->capture_default_str();
+  auto* max_frame_ms =
+      command
+          ->add_option("--max-frame-ms", options->max_frame_ms,
+                       "a goal in the place of --bounces and --spp: the best picture in so many GPU milliseconds")
+          ->check(CLI::Range(1e-3, 10'000.0));
+  command
+      ->add_option("--max-error", options->max_error,
+                   "likewise: the quickest picture of so small a relative mean square error")
+      ->check(CLI::Range(1e-6, 10.0))
+      ->excludes(max_frame_ms);
   addMaterials(*command, options->materials);
   addLightTransport(*command, options->light);
   addApproximations(*command, options->approximations);

@@ -331,6 +331,36 @@ Result<Connection::Picture> Connection::render(const v1::RenderRequest& request,
   return picture;
 }
 
+Result<Connection::Accuracy> Connection::measureAccuracy(
+    const v1::MeasureAccuracyRequest& request, const std::function<void(const v1::AccuracyProgress&)>& progress) {
+  if (auto ready = readyWorld(request.world()); !ready) return ready.error();
+  grpc::ClientContext context;
+  route(context, request.world());
+  const auto stream = renders_->MeasureAccuracy(&context, request);
+  Accuracy accuracy;
+  std::string bytes;
+  v1::AccuracyEvent event;
+  while (stream->Read(&event)) {
+    if (event.has_progress() && progress) progress(event.progress());
+    if (event.has_result()) accuracy.result = event.result();
+    bytes += event.chunk().data();
+  }
+  if (const auto status = stream->Finish(); !status.ok()) return errorOf(status, context);
+  size_t begin = 0;
+  for (const auto& picture : accuracy.result.pictures()) {
+    accuracy.pictures.push_back(bytes.substr(std::min(begin, bytes.size()), picture.size()));
+    begin += picture.size();
+  }
+  if (begin != bytes.size())
+    return Error{
+        ErrorKind::internal,
+        "the server announced " + std::to_string(begin) + " bytes of pictures and sent " + std::to_string(bytes.size()),
+        {},
+        {},
+        {}};
+  return accuracy;
+}
+
 Result<void> Connection::watch(const v1::WatchTelemetryRequest& request,
                                const std::function<bool(const v1::TelemetrySample&)>& each) {
   grpc::ClientContext context;

@@ -70,6 +70,14 @@ class Connection {
   /// One picture; `progress` gets samples so far and wanted.
   Result<Picture> render(const v1::RenderRequest& request, const std::function<void(uint32_t, uint32_t)>& progress);
 
+  struct Accuracy {
+    v1::AccuracyResult result;
+    std::vector<std::string> pictures;  ///< PNG, in the order of result.pictures
+  };
+  /// The true error of a live picture; `progress` is called for each event of the reference.
+  Result<Accuracy> measureAccuracy(const v1::MeasureAccuracyRequest& request,
+                                   const std::function<void(const v1::AccuracyProgress&)>& progress);
+
   /// Calls `each` with every sample until it returns false.
   Result<void> watch(const v1::WatchTelemetryRequest& request,
                      const std::function<bool(const v1::TelemetrySample&)>& each);

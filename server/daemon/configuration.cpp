@@ -134,6 +134,10 @@ void addServing(CLI::App& app, Configuration& c, uint64_t& synthetic_frame_us) {
   flags.value("gltf-root", c.server.gltf_root, "folder whose glTF files may become worlds")
       ->check(CLI::ExistingDirectory);
   flags
+      .value("price-list", c.server.price_list,
+             "accuracy.json of helio-bench accuracy --axis preset: what viewers' goals are followed by")
+      ->type_name("FILE");
+  flags
       .value("renderer", c.renderer,
              "vulkan, or synthetic: pictures of blocks that say what they show, without a device")
       ->check(CLI::IsMember({"vulkan", "synthetic"}));

@@ -5,6 +5,7 @@
 #include "render/passes/asvgf.h"
 #include "render/passes/bare_trace.h"
 #include "render/passes/culling_view.h"
+#include "render/passes/error_estimate.h"
 #include "render/passes/exposure.h"
 #include "render/passes/inspect.h"
 #include "render/passes/motion.h"
@@ -29,6 +30,7 @@ struct Passes {
         path_trace(device),
         accumulate(device),
         statistics(device),
+        error_estimate(device),
         exposure(device),
         tonemap(device),
         svgf(device),
@@ -59,6 +61,7 @@ struct Passes {
   PathTrace path_trace;
   Accumulate accumulate;
   Statistics statistics;
+  ErrorEstimate error_estimate;
   Exposure exposure;
   Tonemap tonemap;
   Svgf svgf;

@@ -193,10 +193,12 @@ struct FrameStats {
   std::optional<FaultPlace> first_fault;  ///< set when nonfinite > 0
   uint32_t accumulated = 1;               ///< samples a pixel behind this picture
   uint32_t tlas_instances = 0;
-  uint64_t triangles_drawn = 0;   ///< rasterised for primary hits
-  uint64_t shadow_triangles = 0;  ///< rasterised for the sun's shadow map, all cascades together
-  double exposure = 1.0;          ///< factor on radiance
-  uint64_t history_bytes = 0;     ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
+  uint64_t triangles_drawn = 0;    ///< rasterised for primary hits
+  uint64_t shadow_triangles = 0;   ///< rasterised for the sun's shadow map, all cascades together
+  double exposure = 1.0;           ///< factor on radiance
+  std::optional<double> variance;  ///< mean over pixels and channels of variance / (radiance^2 + 0.01), as far as the
+                                   ///< denoiser knows; set where it does
+  uint64_t history_bytes = 0;      ///< GPU memory of what this view keeps of the ticks before, and of its denoiser
   MemoryUse memory;
   AccelerationUse acceleration;
   std::optional<accel::LipacFigures> lipac;  ///< when light path guided culling decided about this tick

@@ -75,7 +75,10 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   const bool goes_on = !resized && !scene_changed && isAt(camera) && continues(settings_, settings);
   const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
   const bool was_accumulating = averaging();
-  const bool same_light = !resized && continues(settings_, settings);
+  // Bounces more or fewer change little of the light: what looks back goes on from it.
+  ViewSettings as_before = settings;
+  as_before.bounces = settings_.bounces;
+  const bool same_light = !resized && continues(settings_, as_before);
   camera_ = camera;
   settings_ = settings;
   if (showsProperty(settings.materials)) {  // numbers, not light

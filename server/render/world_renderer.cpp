@@ -312,6 +312,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
   const shared::SampleConstants last = view.finalConstants();
   if (looksBack(settings)) passes_.motion.add(pass, work.samples.back());
   if (denoiser) denoiser->add(pass, work.samples.back(), last);
+  if (knowsVariance(settings)) passes_.error_estimate.add(pass, last);
   if (settings.taa && settings.inspect == Inspect::nothing) passes_.taa.add(pass);
   if (settings.inspect != Inspect::nothing) passes_.inspect.add(pass, work.samples.back());
   if (settings.culling_view != CullingView::none) passes_.culling_view.add(pass, work.samples.back());
@@ -498,6 +499,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
                       view.shadow_draws.bytes(),
                   instances_.cpuBytes() + units_.cpuBytes() + own_blases_.cpuBytes() + blas_batch_.cpuBytes() +
                       detail_.cpuBytes() + draw_table_.cpuBytes()};
+  if (knowsVariance(settings)) stats.variance = ErrorEstimate::variance(state, texels);
   stats.history_bytes = view.histories.bytes();
   stats.effects = effectCosts(stats.passes);
   view.setLastExposure(static_cast<float>(stats.exposure));

@@ -215,12 +215,39 @@ v1::Vec3 vec(const glm::vec3& v) {
 
 }  // namespace
 
+namespace {
+
+Outcome<render::Goal> goalOf(const v1::Settings& message, const render::ViewSettings& view) {
+  render::Goal goal;
+  switch (message.goal().kind_case()) {
+    case v1::Goal::kMaxFrameMs:
+      goal = {render::Goal::Kind::max_frame_ms, static_cast<double>(message.goal().max_frame_ms())};
+      break;
+    case v1::Goal::kMaxError:
+      goal = {render::Goal::Kind::max_error, static_cast<double>(message.goal().max_error())};
+      break;
+    case v1::Goal::KIND_NOT_SET:
+      return outOfRange("settings.goal", "of no kind that this server knows", "max_frame_ms, max_error");
+  }
+  if (auto ok = render::check(goal); !ok) return inside("settings.goal", ok.error());
+  if (view.mode != render::Mode::hybrid)
+    return outOfRange("settings.goal", "with mode reference", "goals of mode hybrid");
+  return goal;
+}
+
+}  // namespace
+
 Outcome<ViewerSettings> fromWire(const v1::Settings& message, const Limits& limits) {
   ViewerSettings settings;
   auto view = viewSettings(message, "settings", limits);
   if (!view) return view.error();
   settings.view = *view;
   if (message.samples() != 0) settings.view.samples = message.samples();
+  if (message.has_goal()) {
+    auto goal = goalOf(message, settings.view);
+    if (!goal) return goal.error();
+    settings.goal = *goal;
+  }
   const auto& stream = message.stream();
   if (stream.max_fps() != 0) settings.max_fps = stream.max_fps();
   if (stream.max_latency_ms() != 0) settings.max_latency_ms = stream.max_latency_ms();
@@ -258,6 +285,11 @@ v1::Settings toWire(const ViewerSettings& settings) {
   out.mutable_stream()->set_still_quality(uint32_t(settings.still_quality));
   out.mutable_stream()->set_max_kbps(settings.max_kbps);
   out.set_paused(settings.paused);
+  if (settings.goal) {
+    const auto value = static_cast<float>(settings.goal->value);
+    if (settings.goal->kind == render::Goal::Kind::max_frame_ms) out.mutable_goal()->set_max_frame_ms(value);
+    else out.mutable_goal()->set_max_error(value);
+  }
   out.set_materials(static_cast<v1::MaterialOverride>(view.materials));
   v1::Approximations& approximations = *out.mutable_approximations();
   approximations.set_sun_shadow(numberOf<v1::SunShadow>(render::kSunShadows, view.sun_shadow));
@@ -411,6 +443,29 @@ v1::AccelerationUse toWire(const render::AccelerationUse& use, const std::option
   states.set_opened(culling->opened);
   states.set_shown(culling->shown);
   states.set_unshown(culling->unshown);
+  return out;
+}
+
+v1::ErrorEstimate toWire(const render::ErrorBelief& belief) {
+  v1::ErrorEstimate out;
+  out.set_variance(static_cast<float>(belief.variance));
+  out.set_bias(static_cast<float>(belief.bias));
+  return out;
+}
+
+v1::Decision toWire(const render::Decision& decision, const render::Observation& frame) {
+  v1::Decision out;
+  out.set_preset(render::kLadder[decision.rung].name);
+  out.set_rung(static_cast<uint32_t>(decision.rung));
+  out.set_rungs(static_cast<uint32_t>(render::kRungs));
+  out.set_predicted_ms(static_cast<float>(decision.predicted_ms));
+  out.set_predicted_error(static_cast<float>(decision.predicted_error));
+  out.set_within_reach(decision.within_reach);
+  out.set_reason(decision.reason);
+  out.set_measured_ms(frame.gpu_ms);
+  out.set_scaling_ms(frame.scaling_ms);
+  if (frame.variance) out.set_measured_variance(*frame.variance);
+  out.set_still(frame.still);
   return out;
 }
 

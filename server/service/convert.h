@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "render/controller.h"
 #include "render/renderer.h"
 #include "service/failure.h"
 #include "service/limits.h"
@@ -18,6 +19,7 @@ namespace helio::service {
 /// What a viewer asked for, with the defaults filled in.
 struct ViewerSettings {
   render::ViewSettings view;
+  std::optional<render::Goal> goal{};  ///< decides bounces, samples and denoiser
   uint32_t max_fps = 30;
   uint32_t max_latency_ms = 1000;
   int jpeg_quality = 80;   ///< at most, of a moving picture
@@ -51,6 +53,9 @@ v1::Bounds toWire(const scene::Aabb& box);
 v1::Sun toWire(const scene::Sun& sun);
 v1::RayCounts toWire(const render::Rays& rays);
 v1::AccelerationUse toWire(const render::AccelerationUse& use, const std::optional<accel::LipacFigures>& culling);
+v1::ErrorEstimate toWire(const render::ErrorBelief& belief);
+/// `frame`: the figures of the frame that `decision` was about.
+v1::Decision toWire(const render::Decision& decision, const render::Observation& frame);
 v1::MemoryUse toWire(const render::MemoryUse& memory);
 void toWire(const std::vector<render::DroppedSamples>& dropped,
             google::protobuf::RepeatedPtrField<v1::DroppedSamples>& out);

@@ -186,6 +186,7 @@ void HostedWorld::stop(const Failure& why) {
     stop_reason_ = why;
     woken_ = true;
     wake_.notify_all();
+    idle_.notify_all();
   }
   endAll(why);  // at once: a tick in progress may take seconds
 }
@@ -193,6 +194,31 @@ void HostedWorld::stop(const Failure& why) {
 bool HostedWorld::stopped() const {
   std::lock_guard lock(mutex_);
   return stopped_;
+}
+
+bool HostedWorld::capture(uint64_t viewer, Capture capture) {
+  Views views;
+  {
+    std::lock_guard lock(mutex_);
+    views = views_;
+  }
+  for (const auto& view : views)
+    if (const auto status = view->sink->status(); status && status->id == viewer)
+      return view->sink->captureNext(std::move(capture));
+  return false;
+}
+
+std::shared_ptr<void> HostedWorld::admitAside() {
+  std::lock_guard lock(mutex_);
+  if (!aside_.expired()) return nullptr;
+  const auto right = std::make_shared<char>();
+  aside_ = right;
+  return right;
+}
+
+void HostedWorld::awaitIdle(Clock::duration needed, Clock::time_point until) {
+  std::unique_lock lock(mutex_);
+  idle_.wait_until(lock, until, [&] { return stop_reason_ || idle_until_ > Clock::now() + needed; });
 }
 
 uint32_t HostedWorld::viewers() const {
@@ -366,19 +392,32 @@ HostedWorld::Views HostedWorld::waitForDemand() {
     }
     std::unique_lock lock(mutex_);
     const auto changed = [&] { return woken_ || stop_reason_; };
+    idle_until_ = earliest;
+    idle_.notify_all();
     if (earliest == Clock::time_point::max()) wake_.wait(lock, changed);
     else wake_.wait_until(lock, earliest, changed);
+    idle_until_ = Clock::time_point::min();
   }
 }
 
 void HostedWorld::tick(const Views& wanted) {
-  // The clock goes on by real time, however long nobody looked.
   const auto now = Clock::now();
-  auto changes = content_->beginTick(std::chrono::duration<double>(now - last_tick_).count());
+  Dues dues;
+  bool captures = false;
+  for (const auto& view : wanted) {
+    dues.push_back({view, view->sink->demand(now)});
+    auto& demand = dues.back().demand;
+    captures |= demand.capture != nullptr;
+    demand.settings.keep_radiance |= demand.capture != nullptr;
+  }
+  // The clock goes on by real time, however long nobody looked.
+  world::ChangeSet whole;
+  auto changes =
+      content_->beginTick(std::chrono::duration<double>(now - last_tick_).count(), captures ? &whole : nullptr);
   last_tick_ = now;
   if (unrendered_) changes = merge(std::move(*std::exchange(unrendered_, std::nullopt)), std::move(changes));
 
-  if (auto rendered = render(changes, wanted); !rendered) {
+  if (auto rendered = render(changes, whole, dues); !rendered) {
     if (rendered.error().kind == ErrorKind::internal) {
       endAll(rendered.error());
       environment_.on_fatal(rendered.error());
@@ -386,19 +425,16 @@ void HostedWorld::tick(const Views& wanted) {
       wanted.front()->sink->end(rendered.error());
       detach(wanted.front()->sink.get());
     } else {
-      renderEach(changes, wanted);
+      renderEach(changes, whole, dues);
     }
     unrendered_ = std::move(changes);  // whole slots: applying them again does no harm
   }
 }
 
-Result<void> HostedWorld::render(const world::ChangeSet& changes, const Views& wanted) {
+Result<void> HostedWorld::render(const world::ChangeSet& changes, const world::ChangeSet& whole, const Dues& dues) {
   const auto start = Clock::now();
   std::vector<render::ViewRequest> requests;
-  for (const auto& view : wanted) {
-    auto demand = view->sink->demand(start);
-    requests.push_back({*view->handle, demand.camera, demand.settings});
-  }
+  for (const auto& [view, demand] : dues) requests.push_back({*view->handle, demand.camera, demand.settings});
   auto frames = environment_.renderer->tick(handle_, changes, requests);
   if (!frames) return frames.error();
   const auto took = Clock::now() - start;
@@ -408,16 +444,21 @@ Result<void> HostedWorld::render(const world::ChangeSet& changes, const Views& w
     counters_.tick_us += telemetry::microseconds(took);
   }
   environment_.metrics->tick.Observe(std::chrono::duration<double>(took).count());
-  for (size_t i = 0; i < wanted.size(); ++i) wanted[i]->sink->deliver(std::move((*frames)[i]), took);
+  for (size_t i = 0; i < dues.size(); ++i) {
+    auto& frame = (*frames)[i];
+    const auto& demand = dues[i].demand;
+    if (demand.capture) demand.capture({frame, demand.camera, demand.settings, content_->scenePtr(), whole});
+    dues[i].view->sink->deliver(std::move(frame), took);
+  }
   return {};
 }
 
 /// One view spoilt the tick of all: find it, and let the others have their frames.
-void HostedWorld::renderEach(const world::ChangeSet& changes, const Views& wanted) {
-  for (const auto& view : wanted)
-    if (auto rendered = render(changes, {view}); !rendered) {
-      view->sink->end(rendered.error());
-      detach(view->sink.get());
+void HostedWorld::renderEach(const world::ChangeSet& changes, const world::ChangeSet& whole, const Dues& dues) {
+  for (const auto& due : dues)
+    if (auto rendered = render(changes, whole, {due}); !rendered) {
+      due.view->sink->end(rendered.error());
+      detach(due.view->sink.get());
     }
 }
 

@@ -70,6 +70,13 @@ class HostedWorld {
   /// A sink's wish has changed.
   void wake();
 
+  /// The next picture of the viewer with this id is captured. False: there is no such viewer.
+  bool capture(uint64_t viewer, Capture capture);
+  /// The right to render beside the ticks; given back when it is destroyed. None: somebody else has it.
+  std::shared_ptr<void> admitAside();
+  /// Returns when no tick is due for `needed`; at `until` even so, or when the world stops.
+  void awaitIdle(Clock::duration needed, Clock::time_point until);
+
   /// Ends every sink with `why`, now. The thread ends after the tick or the loading in progress.
   void stop(const Failure& why);
   /// The thread has ended: join() takes no time.
@@ -102,9 +109,16 @@ class HostedWorld {
   void admitAndRelease();
   void inherit(View& heir);
   Views waitForDemand();
+  /// What a tick renders for a view.
+  struct Due {
+    std::shared_ptr<View> view;
+    ViewDemand demand;
+  };
+  using Dues = std::vector<Due>;
   void tick(const Views& wanted);
-  Result<void> render(const world::ChangeSet& changes, const Views& wanted);
-  void renderEach(const world::ChangeSet& changes, const Views& wanted);
+  /// `whole`: of this tick, if a picture is captured.
+  Result<void> render(const world::ChangeSet& changes, const world::ChangeSet& whole, const Dues& dues);
+  void renderEach(const world::ChangeSet& changes, const world::ChangeSet& whole, const Dues& dues);
   void endAll(const Failure& why);
 
   const std::string name_;
@@ -118,6 +132,9 @@ class HostedWorld {
   std::optional<Failure> stop_reason_;
   bool stopped_ = false;
   bool woken_ = false;
+  std::condition_variable idle_;
+  Clock::time_point idle_until_ = Clock::time_point::min();  ///< min: at work
+  std::weak_ptr<void> aside_;
   Views views_;                   ///< attached sinks
   Views leaving_;                 ///< detached, their views not freed yet
   std::vector<Waiting> waiting_;  ///< detached, and perhaps attached again

@@ -16,7 +16,8 @@ struct Limits {
   uint32_t min_size = 16;    ///< pixels; below, tile-based passes have nothing to do
   uint32_t max_size = 8192;  ///< pixels; the render targets of one 8192 x 8192 view take some 5 GB
   uint32_t max_fps = 60;     ///< for one viewer; screens rarely show more, and every frame costs everybody's GPU
-  uint32_t max_shot_samples = 65'536;  ///< a pixel; float running means stop gaining digits about there
+  uint32_t max_shot_samples = 65'536;          ///< a pixel; float running means stop gaining digits about there
+  uint64_t max_accuracy_pixels = 3840 * 2160;  ///< of a compared picture; FLIP holds some 250 bytes a pixel
   uint32_t max_edits_per_second =
       1'000'000;  ///< with placements, of one world: edits lengthen the ticks of all who look
   uint32_t max_streams_per_connection = 100;  ///< calls at a time: more wait at the client; one connection, one share

@@ -15,7 +15,9 @@
 #include <vector>
 
 #include "service/access_service.h"
+#include "service/accuracy_run.h"
 #include "service/call_counter.h"
+#include "service/price_file.h"
 #include "service/shot.h"
 #include "service/telemetry_service.h"
 #include "service/viewer_stream.h"
@@ -42,6 +44,11 @@ class RenderService final : public v1::RenderService::CallbackService {
   grpc::ServerWriteReactor<v1::RenderEvent>* Render(grpc::CallbackServerContext* context,
                                                     const v1::RenderRequest* request) override {
     return Shot::open(environment_, *context, *request);
+  }
+
+  grpc::ServerWriteReactor<v1::AccuracyEvent>* MeasureAccuracy(grpc::CallbackServerContext* context,
+                                                               const v1::MeasureAccuracyRequest* request) override {
+    return AccuracyRun::open(environment_, *context, *request);
   }
 
  private:
@@ -84,7 +91,8 @@ bool isLoopback(const std::string& address) {
 }
 
 struct Server::Parts {
-  Parts(ServerConfig c, std::unique_ptr<AccessControl> control, render::Renderer& renderer, store::EditLog& log)
+  Parts(ServerConfig c, std::unique_ptr<AccessControl> control, const render::PriceList& price_list,
+        render::Renderer& renderer, store::EditLog& log)
       : config(std::move(c)),
         access(std::move(control)),
         metrics(config.version),
@@ -92,7 +100,8 @@ struct Server::Parts {
                 config.limits.max_edits_per_second},
                config.limits),
         encoders(config.encoder_threads),
-        streams{&worlds, access.get(), &metrics, &config.limits, &encoders, &next_viewer},
+        prices(price_list),
+        streams{&worlds, access.get(), &metrics, &config.limits, &encoders, &next_viewer, &renderer, &prices},
         world_service(worlds, *access, config.limits, config.gltf_root, config.version, config.advertise,
                       renderer.device()),
         viewer_service(streams),
@@ -109,6 +118,7 @@ struct Server::Parts {
   WorldRegistry worlds;
   stream::EncoderPool encoders;
   std::atomic<uint64_t> next_viewer = 1;
+  const render::PriceList prices;
   StreamEnvironment streams;
   WorldService world_service;
   ViewerService viewer_service;
@@ -145,6 +155,9 @@ Result<std::unique_ptr<Server>> Server::start(ServerConfig config, render::Rende
   auto access = config.keys.empty() ? Result<std::unique_ptr<AccessControl>>(std::make_unique<AccessControl>())
                                     : AccessControl::open(access::KeyFolder(config.keys));
   if (!access) return access.error();
+  auto prices =
+      config.price_list.empty() ? Result<render::PriceList>(render::usualPrices()) : readPriceList(config.price_list);
+  if (!prices) return prices.error();
   if (!config.on_fatal)
     config.on_fatal = [](const Error& error) {
       spdlog::critical("{}", error.message);
@@ -154,7 +167,7 @@ Result<std::unique_ptr<Server>> Server::start(ServerConfig config, render::Rende
   grpc::EnableDefaultHealthCheckService(true);
   static const bool reflection = (grpc::reflection::InitProtoReflectionServerBuilderPlugin(), true);
   (void)reflection;
-  auto parts = std::make_unique<Parts>(std::move(config), std::move(*access), renderer, log);
+  auto parts = std::make_unique<Parts>(std::move(config), std::move(*access), *prices, renderer, log);
   const auto find_source = [&parts = *parts](const Manifest& manifest) {
     return sourceOf(manifest, parts.config.gltf_root, parts.config.limits);
   };

@@ -17,11 +17,13 @@ namespace helio::service {
 
 struct ServerConfig {
   std::string address = "127.0.0.1:7700";  ///< host:port; without keys on the loopback interface; port 0: a free one
-  std::filesystem::path keys;       ///< folder of `heliographd init`: TLS, and a token for every call; empty: none
-  std::string version;              ///< what GetServerInfo says
-  std::string advertise;            ///< host:port that Resolve answers; empty: where the client asked
-  std::filesystem::path gltf_root;  ///< worlds may be made of the glTF files in here; empty: of none
-  unsigned encoder_threads = 2;     ///< at least 1; a 720p frame takes a thread 2 to 3 ms
+  std::filesystem::path keys;        ///< folder of `heliographd init`: TLS, and a token for every call; empty: none
+  std::string version;               ///< what GetServerInfo says
+  std::string advertise;             ///< host:port that Resolve answers; empty: where the client asked
+  std::filesystem::path gltf_root;   ///< worlds may be made of the glTF files in here; empty: of none
+  std::filesystem::path price_list;  ///< what presets cost on this machine (service/price_file.h); empty: what comes
+                                     ///< with the program
+  unsigned encoder_threads = 2;      ///< at least 1; a 720p frame takes a thread 2 to 3 ms
   /// A world's snapshot is written when the records since the last one weigh so much, and as much as it.
   uint64_t snapshot_bytes = 4 << 20;
   Limits limits;
@@ -36,8 +38,8 @@ class Server {
  public:
   /// Listens and serves; the worlds of the log are here again, and being loaded. `renderer` and `log` outlive the
   /// server. Errors: the log's; (limit): it holds too many worlds; (invalid): an address that is not loopback without
-  /// keys, for then everybody who reaches the port may build and destroy; the keys' (KeyFolder::check); (unavailable):
-  /// an address in use.
+  /// keys, for then everybody who reaches the port may build and destroy; the keys' (KeyFolder::check); the price
+  /// list's (readPriceList); (unavailable): an address in use.
   static Result<std::unique_ptr<Server>> start(ServerConfig config, render::Renderer& renderer, store::EditLog& log);
   /// drain(), unless that was done.
   ~Server();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "service/viewpoint.h"
 #include "stream/picture.h"
 
 namespace helio::service {
@@ -36,31 +37,9 @@ Outcome<void> Shot::begin(const v1::RenderRequest& request) {
   settings_ = *settings;
   settings_.view.samples = std::min(settings_.samples, kSamplesPerTick);
 
-  const auto& cameras = (*content)->scene().cameras;
-  switch (request.view_case()) {
-    case v1::RenderRequest::kCamera: {
-      auto camera = fromWire(request.camera(), "request.camera", *environment_.limits);
-      if (!camera) return camera.error();
-      camera_ = *camera;
-      break;
-    }
-    case v1::RenderRequest::kCameraName: {
-      const auto named = std::find_if(cameras.begin(), cameras.end(),
-                                      [&](const scene::NamedCamera& c) { return c.name == request.camera_name(); });
-      if (named == cameras.end())
-        return Failure(Error{ErrorKind::not_found,
-                             "world \"" + request.world() + "\" has no camera \"" + request.camera_name() +
-                                 "\"; show the world to see their names",
-                             "request.camera_name",
-                             request.camera_name(),
-                             {}});
-      camera_ = named->camera;
-      break;
-    }
-    case v1::RenderRequest::VIEW_NOT_SET:
-      camera_ = cameras.front().camera;
-      break;
-  }
+  auto camera = viewpointOf(request, (*content)->scene(), *environment_.limits);
+  if (!camera) return camera.error();
+  camera_ = *camera;
   auto place = environment_.worlds->admitViewer();
   if (!place) return place.error();
   place_ = *place;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <optional>
+#include <string>
 
 #include "render/renderer.h"
 #include "service/failure.h"
@@ -12,14 +14,26 @@ namespace helio::service {
 
 using telemetry::Clock;
 
+/// One tick's picture of a view, and all that it shows.
+struct Captured {
+  render::Frame frame;  ///< with its radiance
+  scene::Camera camera;
+  render::ViewSettings settings;
+  scene::ScenePtr scene;
+  world::ChangeSet world;  ///< all of the world in that tick
+};
+using Capture = std::function<void(Captured)>;
+
 struct ViewDemand {
   scene::Camera camera;
   render::ViewSettings settings;
+  Capture capture{};  ///< gets this tick's picture too, on the tick thread
 };
 
 /// What telemetry shows of a viewer now.
 struct ViewerStatus {
   uint64_t id = 0;
+  std::string token;  ///< the id of its caller's; empty: a server without keys
   render::ViewSettings settings;
   telemetry::ViewerCounters counters;
   uint32_t unacknowledged = 0;
@@ -43,6 +57,8 @@ class ViewSink {
   virtual void end(const Failure& failure) = 0;
   /// Called about once a second by the server's housekeeping: whoever waits for a dead client finds out.
   virtual void tend(Clock::time_point) {}
+  /// The next picture is captured as well. False: nobody captures pictures of these.
+  virtual bool captureNext(Capture) { return false; }
   /// Shots have none.
   virtual std::optional<ViewerStatus> status() const { return std::nullopt; }
 };

@@ -166,6 +166,7 @@ Outcome<void> ViewerStream::hello(const v1::Hello& hello) {
     place_ = *place;
     id_ = environment_.next_viewer->fetch_add(1);
     settings_ = *wanted;
+    steer();
     camera_ = first;
     resume_token_ = resume_token;
     window_.configure(settings_.max_fps, maxLatency());
@@ -213,6 +214,7 @@ Outcome<void> ViewerStream::settings(const v1::Settings& message) {
   {
     std::lock_guard lock(mutex_);
     settings_ = *wanted;
+    steer();
     ++settings_change_;
     window_.configure(settings_.max_fps, maxLatency());
     rate_.configure(wishesOf(settings_));
@@ -287,7 +289,30 @@ ViewDemand ViewerStream::demand(Clock::time_point now) {
   in_tick_ = camera_;
   change_in_tick_ = settings_change_;
   camera_.rendered = true;
-  return {in_tick_.camera, settings_.view};
+  view_in_tick_ = controller_ ? render::onRung(settings_.view, controller_->decision().rung) : settings_.view;
+  return {in_tick_.camera, view_in_tick_, std::exchange(capture_, nullptr)};
+}
+
+/// A goal is followed from where it was, as long as it is the same.
+void ViewerStream::steer() {
+  if (!settings_.goal) controller_.reset();
+  else if (!controller_ || controller_->goal() != *settings_.goal)
+    controller_.emplace(*environment_.prices, *settings_.goal);
+}
+
+/// What was decided for the frame of this tick; its figures decide about the next.
+std::optional<v1::Decision> ViewerStream::steeredBy(const render::FrameStats& stats) {
+  if (!controller_) return std::nullopt;
+  const render::Observation observation = render::observe(stats, view_in_tick_);
+  v1::Decision decision = toWire(controller_->decision(), observation);
+  controller_->observe(observation);
+  return decision;
+}
+
+bool ViewerStream::captureNext(Capture capture) {
+  std::lock_guard lock(mutex_);
+  capture_ = std::move(capture);
+  return true;
 }
 
 void ViewerStream::deliver(render::Frame frame, Clock::duration tick) {
@@ -295,7 +320,9 @@ void ViewerStream::deliver(render::Frame frame, Clock::duration tick) {
   counters_.countDropped(frame.stats.dropped);
   if (ending_ || half_closed_ || finished_ || change_in_tick_ != settings_change_) return;
   const bool still = tick_started_ - in_tick_.moved >= kStillAfter;
-  Rendered rendered{std::move(frame), in_tick_, {}, still, settings_change_};
+  auto decision = steeredBy(frame.stats);
+  auto error = render::believe(*environment_.prices, view_in_tick_, frame.stats);
+  Rendered rendered{std::move(frame), in_tick_, {}, still, settings_change_, std::move(decision), error};
   if (!in_tick_.rendered && in_tick_.arrived != Clock::time_point{})
     rendered.stages.camera_wait = telemetry::microseconds(tick_started_ - in_tick_.arrived);
   rendered.stages.tick = telemetry::microseconds(tick);
@@ -331,6 +358,7 @@ void ViewerStream::tend(Clock::time_point now) {
 std::optional<ViewerStatus> ViewerStream::status() const {
   std::lock_guard lock(mutex_);
   ViewerStatus status{id_,
+                      caller_.token ? caller_.token->id : std::string(),
                       settings_.view,
                       counters_,
                       window_.unacknowledged(),
@@ -393,6 +421,8 @@ void ViewerStream::encode(stream::JpegEncoder& encoder, Rendered rendered, int q
   *frame.mutable_telemetry() = service::toWire(stats);
   frame.mutable_telemetry()->set_dropped_before(dropped_before);
   frame.mutable_telemetry()->set_jpeg_quality(static_cast<uint32_t>(quality));
+  if (rendered.decision) *frame.mutable_telemetry()->mutable_decision() = std::move(*rendered.decision);
+  if (rendered.error) *frame.mutable_telemetry()->mutable_error() = service::toWire(*rendered.error);
   encoded.stages = rendered.stages;
   encoded.stages.mailbox = telemetry::microseconds(waited);
   encoded.stages.encode = telemetry::microseconds(Clock::now() - start);

@@ -17,7 +17,7 @@
 
 namespace helio::service {
 
-/// What viewers and shots need of their server. Outlives them.
+/// What viewers, shots and measurements need of their server. Outlives them.
 struct StreamEnvironment {
   WorldRegistry* worlds = nullptr;
   AccessControl* access = nullptr;
@@ -25,6 +25,8 @@ struct StreamEnvironment {
   const Limits* limits = nullptr;
   stream::EncoderPool* encoders = nullptr;
   std::atomic<uint64_t>* next_viewer = nullptr;
+  render::Renderer* renderer = nullptr;
+  const render::PriceList* prices = nullptr;
 };
 
 /// Frames go: tick thread -> mailbox (newest wins) -> encoder pool -> one write in flight. Encoding starts when nothing
@@ -46,6 +48,7 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   void deliver(render::Frame frame, Clock::duration tick) override;
   void end(const Failure& failure) override;
   void tend(Clock::time_point now) override;
+  bool captureNext(Capture capture) override;
   std::optional<ViewerStatus> status() const override;
 
  private:
@@ -63,6 +66,8 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
     telemetry::Stages stages;
     bool still = false;
     uint64_t settings_change = 0;
+    std::optional<v1::Decision> decision;
+    std::optional<render::ErrorBelief> error;
   };
   struct Encoded {
     v1::ServerMessage message;
@@ -85,6 +90,8 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   void acknowledge(const v1::Ack& ack);
 
   // Below: with mutex_ held.
+  void steer();
+  std::optional<v1::Decision> steeredBy(const render::FrameStats& stats);
   void pump();
   void startEncoding(stream::Mailbox<Rendered>::Taken taken);
   void write(v1::ServerMessage message);
@@ -117,6 +124,9 @@ class ViewerStream final : public grpc::ServerBidiReactor<v1::ViewerMessage, v1:
   uint64_t change_in_tick_ = 0;
   CameraInUse camera_;
   CameraInUse in_tick_;
+  render::ViewSettings view_in_tick_;
+  std::optional<render::Controller> controller_;  ///< with a goal
+  Capture capture_;                               ///< of the next picture
   Clock::time_point tick_started_{};
   Clock::time_point next_frame_{};
 

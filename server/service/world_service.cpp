@@ -84,7 +84,7 @@ Outcome<void> WorldService::describeServer(const Caller& caller, v1::ServerInfo&
   out.set_version(version_);
   out.set_api_minor(2);
   for (const char* feature : {"city", "edits", "time", "shot", "pfm", "telemetry", "tokens", "resume", "resolve",
-                              "light_transport", "repair"})
+                              "light_transport", "repair", "accuracy", "goals"})
     out.add_features(feature);
   if (!gltf_root_.empty()) out.add_features("gltf");
   out.set_device(device_.name);

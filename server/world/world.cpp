@@ -134,7 +134,7 @@ void World::commit(const ResolvedEnvironment& change) {
 
 void World::commit(const ResolvedTime& change) { clock_ = change.clock; }
 
-ChangeSet World::beginTick(double seconds) {
+ChangeSet World::beginTick(double seconds, ChangeSet* whole) {
   const std::lock_guard lock(mutex_);
   if (std::isfinite(seconds) && seconds > 0.0 && !clock_.paused) clock_.time += clock_.rate * seconds;
 
@@ -146,6 +146,12 @@ ChangeSet World::beginTick(double seconds) {
   changes.environment = environment_;
   changes.environment_changed = std::exchange(environment_changed_, false);
   changes.slot_count = table_->slotCount();
+  if (whole) {
+    *whole = changes;
+    whole->environment_changed = true;
+    whole->slots.clear();
+    for (uint32_t slot = 0; slot < changes.slot_count; ++slot) whole->slots.push_back({slot, table_->at(slot)});
+  }
   return changes;
 }
 

@@ -101,8 +101,13 @@ struct ViewState {
   uint bounce_rays;
   uint shadow_rays;
   uint retrace_rays;
+  // Sum over pixels of relative variance in units of 1 / kVarianceUnits, with its carry: sums of integers do not depend
+  // on their order.
+  uint variance_low;
+  uint variance_high;
   Faults faults;
 };
+HELIO_CONSTANT kVarianceUnits = 65536u;
 
 // One sample of a view: pushed to every pass.
 struct SampleConstants {

@@ -13,8 +13,8 @@
 #include "bench/accuracy_path.h"
 #include "bench/device.h"
 #include "bench/files.h"
-#include "bench/flip.h"
 #include "bench/progress.h"
+#include "render/metrics/flip.h"
 #include "stream/picture.h"
 
 namespace helio::bench {
@@ -34,7 +34,6 @@ Examples:
 
 constexpr uint32_t kSettlingTicks = 20, kTimedTicks = 16;
 constexpr uint32_t kSamplesForExposure = 16;
-constexpr double kEpsilon = 0.01;  // of relative errors, as in image.h
 
 /// What all settings are measured against.
 struct Reference {
@@ -80,25 +79,6 @@ Result<Reference> renderReference(render::Renderer& renderer, const scene::Scene
   reference.pixels = displayed((*accumulation)->pixels());
   reference.seen.emplace(reference.pixels.data(), options.width, options.height);
   return reference;
-}
-
-std::vector<double> lumas(const std::vector<uint8_t>& pixels) {
-  std::vector<double> values;
-  for (size_t i = 0; i < pixels.size(); i += 4) values.push_back(luma(&pixels[i]));
-  return values;
-}
-
-/// FLIP as a picture: black, purple, orange, white.
-std::vector<uint8_t> heat(const std::vector<float>& differences) {
-  const glm::vec3 stops[] = {{0, 0, 4}, {114, 31, 129}, {241, 96, 93}, {252, 253, 191}};
-  std::vector<uint8_t> rgba;
-  for (const float d : differences) {
-    const float t = 3.0f * std::clamp(d, 0.0f, 1.0f);
-    const int i = std::min(2, static_cast<int>(t));
-    const glm::vec3 c = glm::mix(stops[i], stops[i + 1], t - static_cast<float>(i));
-    rgba.insert(rgba.end(), {static_cast<uint8_t>(c.r), static_cast<uint8_t>(c.g), static_cast<uint8_t>(c.b), 255});
-  }
-  return rgba;
 }
 
 /// What each frame of a run is measured against: in flight every frame has a reference of its own.
@@ -190,6 +170,8 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
         point.ssim_along.push_back(ssim(lumas(now), lumas(references.of(left).pixels), options.width, options.height));
       if (left > 0) continue;
       last.push_back(image);
+      if (const auto& variance = shown->stats.variance)
+        point.estimated_variance = point.estimated_variance.value_or(0.0) + *variance / options.runs;
       const render::MemoryUse& memory = shown->stats.memory;
       point.memory_bytes = memory.raster + memory.ray_tracing + memory.path_tracing;
       point.history_bytes = shown->stats.history_bytes;

@@ -62,7 +62,8 @@ struct AccuracyPoint {
   Summary frame_ms;
   std::vector<std::pair<std::string, Summary>> passes;  ///< ms by pass, in the order of the frame
   Decomposition error;
-  double ssim = 0.0, flip = 0.0;  ///< of the last run
+  std::optional<double> estimated_variance;  ///< as the denoiser believed, mean over runs
+  double ssim = 0.0, flip = 0.0;             ///< of the last run
   /// Mean change of displayed luma from a run's last frame but one to its last, [0, 1]; in flight along the motion.
   std::optional<double> flicker;
   uint64_t memory_bytes = 0;   ///< all GPU memory while it ran

@@ -2,6 +2,7 @@
 #include <map>
 
 #include "bench/accuracy.h"
+#include "render/ladder.h"
 
 namespace helio::bench {
 namespace {
@@ -27,6 +28,14 @@ std::vector<Step> steps(std::initializer_list<T> values, F ViewSettings::*field)
 
 Step view(const std::string& name, const std::function<void(ViewSettings&)>& change) {
   return {name, [change](AccuracySetting& s) { change(s.view); }};
+}
+
+/// What the controller chooses among.
+std::vector<Step> ladder() {
+  std::vector<Step> rungs;
+  for (size_t rung = 0; rung < render::kRungs; ++rung)
+    rungs.push_back(view(render::kLadder[rung].name, [rung](ViewSettings& v) { v = render::onRung(v, rung); }));
+  return rungs;
 }
 
 const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
@@ -72,10 +81,7 @@ const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
        {view("independent", [](ViewSettings& v) { v.sampler = Sampler::independent; }),
         view("low_discrepancy", [](ViewSettings&) {})}},
       {"regularisation", steps({0.6, 0.3, 0.0}, &ViewSettings::regularisation)},
-      {"preset",
-       {view("fast", [](ViewSettings& v) { v.bounces = 1, v.denoiser = Denoiser::svgf; }),
-        view("balanced", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; }),
-        view("fine", [](ViewSettings& v) { v.samples = 4, v.bounces = 5, v.denoiser = Denoiser::svgf; })}}};
+      {"preset", ladder()}};
   return axes;
 }
 

@@ -14,8 +14,6 @@ constexpr float kJump = 40.0f;        // metres
 
 }  // namespace
 
-double luma(const uint8_t* p) { return (0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2]) / 255.0; }
-
 scene::Camera cameraBefore(const scene::Camera& end, MotionKind motion, uint32_t ticks) {
   scene::Camera camera = end;
   if (motion == MotionKind::fly)

@@ -21,8 +21,6 @@ using MotionField = std::vector<glm::vec2>;
 Result<MotionField> motionOfLastFrame(render::Renderer& renderer, const scene::ScenePtr& scene,
                                       const scene::NamedCamera& camera, const AccuracyOptions& options);
 
-/// Of a pixel of 8 bits a channel, gamma-encoded as displayed, [0, 1].
-double luma(const uint8_t* pixel);
 /// Mean change of displayed luma, [0, 1], from `before` to `now` along the motion, over pixels whose surface was in the
 /// picture; RGBA, 4 bytes a pixel. What comes from behind something counts as change.
 double meanChange(const std::vector<uint8_t>& before, const std::vector<uint8_t>& now, const MotionField& motion,

@@ -77,6 +77,7 @@ Json toJson(const AccuracyReport& report) {
                {"relmse", p.error.total},
                {"bias", p.error.bias},
                {"variance", p.error.variance},
+               {"estimated_variance", p.estimated_variance ? Json(*p.estimated_variance) : Json()},
                {"ssim", p.ssim},
                {"flip", p.flip},
                {"flicker", p.flicker ? Json(*p.flicker) : Json()},

@@ -1,9 +1,9 @@
 #include "bench/fly.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <cmath>
 
 #include "bench/culled_world.h"
+#include "bench/flight.h"
 #include "bench/plot.h"
 #include "bench/progress.h"
 #include "bench/report.h"
@@ -28,22 +28,6 @@ struct FlyOptions {
   uint32_t warmup = 60;
   bool mitigation = true;
 };
-
-/// Out and back in a wide arc, with a look to the right and to the left, and down and up twice as often.
-scene::Camera along(const scene::Camera& start, double share) {
-  constexpr double kTurn = 6.283185307179586, kReach = 120.0, kYaw = 1.2, kPitch = 0.35;
-  const glm::vec3 right = glm::normalize(glm::cross(start.forward, start.up));
-  const auto swing = static_cast<float>(std::sin(kTurn * share)),
-             out = static_cast<float>(std::sin(0.5 * kTurn * share));
-  scene::Camera camera = start;
-  camera.position +=
-      static_cast<float>(kReach) * (out * right + 0.5f * swing * glm::vec3(start.forward.x, 0.0f, start.forward.z));
-  const float yaw = static_cast<float>(kYaw) * swing;
-  const float pitch = static_cast<float>(kPitch * std::sin(2.0 * kTurn * share));
-  const glm::vec3 turned = std::cos(yaw) * start.forward + std::sin(yaw) * right;
-  camera.forward = glm::normalize(turned + pitch * glm::vec3(0.0f, 1.0f, 0.0f));
-  return camera;
-}
 
 struct Quantity {
   const char* key;

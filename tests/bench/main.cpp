@@ -9,6 +9,7 @@
 #include "bench/ablation.h"
 #include "bench/accuracy.h"
 #include "bench/command.h"
+#include "bench/controller.h"
 #include "bench/crash.h"
 #include "bench/culling.h"
 #include "bench/edit_storm.h"
@@ -49,6 +50,7 @@ int main(int argc, char** argv) {
   bench::addFidelityCommand(app, command_line, action);
   bench::addSamplerCommand(app, command_line, action);
   bench::addAccuracyCommand(app, command_line, action);
+  bench::addControllerCommand(app, command_line, action);
   bench::addCullingCommand(app, command_line, action);
   bench::addThresholdsCommand(app, command_line, action);
   bench::addAblationCommand(app, command_line, action);

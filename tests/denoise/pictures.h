@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "render/metrics/image.h"
 #include "support/scenes.h"
 #include "support/stage.h"
 
@@ -27,10 +28,7 @@ inline render::ViewSettings live(render::Denoiser denoiser, render::Primary prim
 /// Mean over pixels and channels of (a - b)^2 / (b^2 + 0.01).
 inline double relativeMse(const render::Frame& a, const render::Frame& b) {
   double sum = 0.0;
-  for (size_t i = 0; i < a.radiance.size(); ++i) {
-    const double value = static_cast<double>(b.radiance[i]), difference = static_cast<double>(a.radiance[i]) - value;
-    sum += difference * difference / (value * value + 0.01);
-  }
+  for (size_t i = 0; i < a.radiance.size(); ++i) sum += metrics::relativeSquare(a.radiance[i], b.radiance[i]);
   return sum / static_cast<double>(a.radiance.size());
 }
 

@@ -4,6 +4,7 @@
 
 #include <heliograph/v1/access.grpc.pb.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -196,6 +197,38 @@ TEST_F(AccessTest, ATokenForOneWorldIsForNoOther) {
   context.TryCancel();
   stream->Finish();
   expectServing("city");
+}
+
+TEST_F(AccessTest, AnotherTokensPictureIsForAdministrators) {
+  const std::string ann = token(Scope::edit), ben = token(Scope::edit);
+  std::this_thread::sleep_for(1500ms);
+  use(ann);
+  Viewer viewer(*viewers_, "city", 32, 16);
+  const uint64_t id = viewer.welcome().viewer();
+  std::atomic<bool> looking = true;
+  std::thread looks([&] {
+    while (looking) viewer.frame();
+  });
+  const auto measure = [&](const std::string& with) {
+    use(with);
+    grpc::ClientContext context;
+    v1::MeasureAccuracyRequest request;
+    request.set_world("city");
+    request.set_viewer(id);
+    request.set_samples(2);
+    const auto stream = renders_->MeasureAccuracy(&context, request);
+    for (v1::AccuracyEvent event; stream->Read(&event);) {}
+    Ended ended;
+    ended.status = stream->Finish();
+    ended.detail = detailOf(context);
+    return ended;
+  };
+  expectFailure(measure(ben), Code::PERMISSION_DENIED, v1::ERROR_REASON_FORBIDDEN, "authorization", "admin");
+  EXPECT_TRUE(measure(ann).status.ok());
+  const auto by_admin = measure(admin_);
+  EXPECT_TRUE(by_admin.status.ok()) << by_admin.status.error_message();
+  looking = false;
+  looks.join();
 }
 
 TEST_F(AccessTest, ARevokedTokensStreamsEnd) {

@@ -90,6 +90,11 @@ Result<std::vector<render::Frame>> FakeRenderer::tick(render::WorldHandle world,
     frame.stats.time = changes.time;
     frame.stats.gpu_ms = 1.5;
     frame.stats.passes = {{"paint", 1.5}};
+    if (const double ms = ray_ms_ * settings.samples * (settings.bounces + 1); ms > 0.0) {
+      frame.stats.passes.push_back({"path_trace", ms});
+      frame.stats.gpu_ms += ms;
+      if (settings.denoiser != render::Denoiser::none) frame.stats.variance = 0.01 / settings.samples;
+    }
     frame.stats.effects = {{"paint", 7, 1024, 1.5}};
     frame.stats.nonfinite = 5;
     frame.stats.dropped = {{"paint", "NaN", 2}, {"paint", "negative", 3}};

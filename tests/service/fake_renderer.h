@@ -31,6 +31,9 @@ class FakeRenderer final : public render::Renderer {
   /// Ticks with a view of this width fail with ErrorKind::limit, as when memory runs out.
   void failWidth(uint32_t width) { fail_width_ = width; }
 
+  /// Of a path's every ray, so that time grows with samples and bounces; what it knows of variance falls with samples.
+  void setCostOfPaths(double ms_a_ray) { ray_ms_ = ms_a_ray; }
+
   /// Every tick from now on fails as on a device that is lost.
   void loseDevice() { lost_ = true; }
 
@@ -59,6 +62,7 @@ class FakeRenderer final : public render::Renderer {
   uint64_t next_ = 1;
   std::atomic<int> tick_ms_ = 1;
   std::atomic<uint32_t> fail_width_ = 0;
+  std::atomic<double> ray_ms_ = 0.0;
   std::atomic<bool> lost_ = false;
   std::atomic<uint64_t> ticks_ = 0, slots_ = 0, misuses_ = 0;
   // Shared with the frames, which may outlive the renderer.

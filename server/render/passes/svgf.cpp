@@ -64,6 +64,7 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                  {{&h.sampled, gpu::use::compute_write},
                   {&h.spare, gpu::use::compute_write},
                   {&h.filtered, gpu::use::compute_write},
+                  {&h.moments, gpu::use::compute_read},
                   {&view.accumulation, gpu::use::compute_read},
                   {&view.radiance, gpu::use::compute_write}},
                  [this, &view, last](gpu::Commands& commands) {

@@ -7,7 +7,7 @@
 
 #include "bench/accuracy.h"
 #include "bench/accuracy_path.h"
-#include "bench/flip.h"
+#include "render/metrics/flip.h"
 
 namespace helio::bench {
 namespace {

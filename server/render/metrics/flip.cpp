@@ -1,4 +1,4 @@
-#include "bench/flip.h"
+#include "render/metrics/flip.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <numeric>
 
-namespace helio::bench {
+namespace helio::metrics {
 namespace {
 
 using glm::dvec3;
@@ -193,4 +193,4 @@ double SeenPicture::difference(const SeenPicture& other) const {
   return std::accumulate(all.begin(), all.end(), 0.0) / static_cast<double>(all.size());
 }
 
-}  // namespace helio::bench
+}  // namespace helio::metrics

@@ -6,7 +6,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
-namespace helio::bench {
+namespace helio::metrics {
 
 /// Pixels of the display to a degree of the visual field: 3840 pixels on 0.7 m, seen from 0.7 m, as in the paper.
 inline constexpr double kPixelsPerDegree = 67.0206;
@@ -27,4 +27,4 @@ class SeenPicture {
   std::vector<double> edges_, points_;
 };
 
-}  // namespace helio::bench
+}  // namespace helio::metrics
