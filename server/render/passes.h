@@ -7,10 +7,13 @@
 #include "render/passes/culling_view.h"
 #include "render/passes/exposure.h"
 #include "render/passes/inspect.h"
+#include "render/passes/learn_lamps.h"
 #include "render/passes/motion.h"
 #include "render/passes/path_trace.h"
 #include "render/passes/primary_raster.h"
 #include "render/passes/primary_traced.h"
+#include "render/passes/reblur.h"
+#include "render/passes/reconstruct.h"
 #include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
 #include "render/passes/svgf.h"
@@ -27,12 +30,15 @@ struct Passes {
         primary_traced(device),
         motion(device),
         path_trace(device),
+        reconstruct(device),
+        learn_lamps(device),
         accumulate(device),
         statistics(device),
         exposure(device),
         tonemap(device),
         svgf(device),
         asvgf(device),
+        reblur(device),
         taa(device),
         inspect(device),
         culling_view(device),
@@ -47,6 +53,8 @@ struct Passes {
         return &svgf;
       case Denoiser::asvgf:
         return &asvgf;
+      case Denoiser::reblur:
+        return &reblur;
     }
     return nullptr;
   }
@@ -57,12 +65,15 @@ struct Passes {
   PrimaryTraced primary_traced;
   Motion motion;
   PathTrace path_trace;
+  Reconstruct reconstruct;
+  LearnLamps learn_lamps;
   Accumulate accumulate;
   Statistics statistics;
   Exposure exposure;
   Tonemap tonemap;
   Svgf svgf;
   Asvgf asvgf;
+  Reblur reblur;
   Taa taa;
   InspectPass inspect;
   CullingViewPass culling_view;

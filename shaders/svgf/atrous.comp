@@ -5,13 +5,12 @@
 // The last iteration makes the picture: albedos and emission come back.
 #include "lib/random.glsl"
 #include "svgf/filter.glsl"
+#include "svgf/picture.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(constant_id = 0) const bool kLast = false;
 
 const float kKernel[3] = float[](3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0);  // B3 spline
-// Of a picture that stands still, the plain mean takes over between so many samples: in the end it is what is right.
-const float kMeanFrom = 64.0, kMeanAlone = 1024.0;
 
 // Standard deviation, smoothed by a 3 x 3 Gaussian: single estimates are too noisy to steer by.
 vec2 smoothDeviation(ivec2 pixel) {
@@ -53,14 +52,6 @@ void filterLight(ivec2 pixel, SurfaceTexel here, inout LobeLight light) {
   light.deviation = sqrt(variance) / sum;
 }
 
-// Albedos and emission come back.
-vec3 modulated(ivec2 pixel, LobeLight light) {
-  const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
-  vec3 radiance = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
-  if (albedos.x != 0u) radiance += unpackAlbedo(albedos.x) * light.rgb[0] + unpackAlbedo(albedos.y) * light.rgb[1];
-  return radiance / history.unit;
-}
-
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
@@ -75,10 +66,5 @@ void main() {
     }
     return;
   }
-  vec3 radiance = modulated(pixel, light);
-  if (float(filter_.accumulated) > kMeanFrom) {
-    const float share = smoothstep(log2(kMeanFrom), log2(kMeanAlone), log2(float(filter_.accumulated)));
-    radiance = mix(radiance, imageLoad(images_rgba32f[filter_.mean], pixel).rgb, share);
-  }
-  imageStore(images_rgba32f[frame.radiance], pixel, vec4(radiance, 1.0));
+  showPicture(pixel, light);
 }
