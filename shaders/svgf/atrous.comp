@@ -66,5 +66,5 @@ void main() {
     }
     return;
   }
-  showPicture(pixel, light);
+  showPictureAndVariance(pixel, light);
 }

@@ -23,17 +23,31 @@ vec3 modulatedVariance(ivec2 pixel, vec2 deviation) {
   return (diffuse * diffuse + specular * specular) / (history.unit * history.unit);
 }
 
+// How much of the picture is the plain mean.
+float meanShare() {
+  if (float(filter_.accumulated) <= kMeanFrom) return 0.0;
+  return smoothstep(log2(kMeanFrom), log2(kMeanAlone), log2(float(filter_.accumulated)));
+}
+
+vec3 withMean(ivec2 pixel, LobeLight light, float share) {
+  const vec3 radiance = modulated(pixel, light);
+  return share > 0.0 ? mix(radiance, imageLoad(images_rgba32f[filter_.mean], pixel).rgb, share) : radiance;
+}
+
 void showPicture(ivec2 pixel, LobeLight light) {
-  vec3 radiance = modulated(pixel, light);
+  imageStore(images_rgba32f[frame.radiance], pixel, vec4(withMean(pixel, light, meanShare()), 1.0));
+}
+
+// Beside the light, how noisy it is, as errors are counted.
+void showPictureAndVariance(ivec2 pixel, LobeLight light) {
+  const float share = meanShare();
+  const vec3 radiance = withMean(pixel, light, share);
   vec3 variance = modulatedVariance(pixel, light.deviation);
-  if (float(filter_.accumulated) > kMeanFrom) {
-    const float share = smoothstep(log2(kMeanFrom), log2(kMeanAlone), log2(float(filter_.accumulated)));
-    radiance = mix(radiance, imageLoad(images_rgba32f[filter_.mean], pixel).rgb, share);
+  if (share > 0.0) {
     const vec2 of_a_sample = unpackHalf4(imageLoad(images_rg32ui[history.moments], pixel).xy).yw;
     const vec3 of_the_mean = modulatedVariance(pixel, of_a_sample) / float(filter_.accumulated);
     variance = (1.0 - share) * (1.0 - share) * variance + share * share * of_the_mean;
   }
-  // Beside the light: how noisy it is, as errors are counted.
   const vec3 relative = variance / (radiance * radiance + kErrorEpsilon);
   imageStore(images_rgba32f[frame.radiance], pixel, vec4(radiance, dot(relative, vec3(1.0 / 3.0))));
 }
