@@ -1,8 +1,14 @@
+# What draws: built as ever where the rest gets HELIOGRAPH_SANITIZE.
+set(HELIOGRAPH_RENDERER gpu accel effects render)
+
 # helio_library(scene DEPENDS helio_base ...): the static library helio_scene of server/scene/*.cpp.
 function(helio_library name)
   cmake_parse_arguments(arg "" "" "DEPENDS;PRIVATE" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   add_library(helio_${name} STATIC ${sources})
+  if(HELIOGRAPH_SANITIZE AND name IN_LIST HELIOGRAPH_RENDERER)
+    set_target_properties(helio_${name} PROPERTIES COMPILE_OPTIONS "")
+  endif()
   target_include_directories(helio_${name} PUBLIC ${CMAKE_SOURCE_DIR}/server)
   target_link_libraries(helio_${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE})
   helio_warnings(helio_${name})

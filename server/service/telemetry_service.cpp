@@ -130,6 +130,8 @@ class TelemetryService::Watcher final : public grpc::ServerWriteReactor<v1::Tele
   }
 
   void OnDone() override {
+    // An alarm that finished the call is no reaction of it, and may not have let go of the lock.
+    { const std::lock_guard lock(mutex_); }
     session_.reset();
     {
       std::lock_guard lock(service_.mutex_);

@@ -81,7 +81,7 @@ v1::Frame Viewer::frame() {
       acknowledge(message.frame().id());
       return message.frame();
     }
-  ADD_FAILURE() << "the stream ended: " << end().status.error_message();
+  ADD_FAILURE() << "the stream ended" << (ended_ ? "" : ": " + end().status.error_message());
   return {};
 }
 
@@ -94,7 +94,8 @@ v1::Frame Viewer::frameWhere(const std::function<bool(const v1::Frame&)>& wanted
 
 v1::Welcome Viewer::welcome() {
   v1::ServerMessage message;
-  if (!read(message) || !message.has_welcome()) ADD_FAILURE() << "no welcome: " << end().status.error_message();
+  if (!read(message) || !message.has_welcome())
+    ADD_FAILURE() << "no welcome" << (ended_ ? "" : ": " + end().status.error_message());
   return message.welcome();
 }
 
@@ -227,7 +228,7 @@ void ServiceTest::expectServing(const std::string& world) {
 
 /// Polls; 30 s are only how long a broken test takes to fail.
 void ServiceTest::eventually(const std::function<bool()>& holds, const char* what) {
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < 18'000; ++i) {  // three minutes: a sanitizer on a busy machine
     if (holds()) return;
     std::this_thread::sleep_for(10ms);
   }
