@@ -89,7 +89,24 @@ void addApproximations(CLI::App& command, Approximations& chosen) {
       ->check(CLI::Range(256u, 4096u));
   command.add_flag("--levels-of-detail,!--no-levels-of-detail", chosen.levels_of_detail,
                    "hybrid mode: far meshes are coarser by about a pixel (unless --no-levels-of-detail)");
-  choice("--denoiser", chosen.denoiser, "hybrid mode: none, svgf or asvgf", render::namesOf(render::kDenoisers));
+  choice("--technique", chosen.technique, "hybrid mode: path_traced, distributed or whitted",
+         render::namesOf(render::kTechniques));
+  choice("--ambient", chosen.ambient,
+         "with distributed or whitted, for indirect light: none, constant, or occluded (distributed alone)",
+         render::namesOf(render::kAmbients));
+  const auto number = [&](const char* flag, float& value, const char* description, float low, float high) {
+    command.add_option(flag, value, description)->capture_default_str()->check(CLI::Range(low, high));
+  };
+  number("--ambient-radius", chosen.ambient_radius, "metres within which occluders count", 1e-6f, 1e6f);
+  choice("--indirect-rate", chosen.indirect_rate, "hybrid mode: pixels that follow indirect light: full, half, quarter",
+         render::namesOf(render::kIndirectRates));
+  choice("--reconstruction", chosen.reconstruction, "what the others do: reuse or bilateral",
+         render::namesOf(render::kReconstructions));
+  number("--aperture", chosen.aperture, "metres of the lens' diameter; needs --primary traced or --mode reference",
+         0.0f, 10.0f);
+  number("--focus", chosen.focus, "metres to what is sharp", 0.01f, 1e6f);
+  choice("--denoiser", chosen.denoiser, "hybrid mode: none, svgf, asvgf or reblur",
+         render::namesOf(render::kDenoisers));
   command.add_flag("--taa", chosen.taa, "hybrid mode: temporal anti-aliasing");
   choice("--inspect", chosen.inspect,
          "hybrid mode: numbers in the picture's place: motion, position, before, unfiltered; with a denoiser diffuse, "
@@ -107,10 +124,22 @@ v1::Approximations Approximations::toWire() const {
   out.set_levels_of_detail(levels_of_detail);
   out.set_taa(taa);
   out.set_denoiser(onWire<v1::Denoiser>("DENOISER_", denoiser));
+  out.set_technique(onWire<v1::Technique>("TECHNIQUE_", technique));
+  out.set_ambient(onWire<v1::Ambient>("AMBIENT_", ambient));
+  out.set_ambient_radius(ambient_radius);
+  out.set_indirect_rate(onWire<v1::IndirectRate>("INDIRECT_RATE_", indirect_rate));
+  out.set_reconstruction(onWire<v1::Reconstruction>("RECONSTRUCTION_", reconstruction));
   return out;
 }
 
 v1::Inspect Approximations::inspectOnWire() const { return onWire<v1::Inspect>("INSPECT_", inspect); }
+
+v1::Lens Approximations::lensOnWire() const {
+  v1::Lens lens;
+  lens.set_aperture(aperture);
+  lens.set_focus(focus);
+  return lens;
+}
 
 v1::CullingView Approximations::cullingViewOnWire() const {
   return onWire<v1::CullingView>("CULLING_VIEW_", culling_view);
@@ -122,6 +151,13 @@ void Approximations::put(render::ViewSettings& settings) const {
   settings.levels_of_detail = levels_of_detail;
   settings.taa = taa;
   settings.denoiser = *render::byName(render::kDenoisers, denoiser);
+  settings.technique = *render::byName(render::kTechniques, technique);
+  settings.ambient = *render::byName(render::kAmbients, ambient);
+  settings.ambient_radius = ambient_radius;
+  settings.indirect_rate = *render::byName(render::kIndirectRates, indirect_rate);
+  settings.reconstruction = *render::byName(render::kReconstructions, reconstruction);
+  settings.aperture = aperture;
+  settings.focus = focus;
   settings.inspect = *render::byName(render::kInspects, inspect);
   settings.culling_view = *render::byName(render::kCullingViews, culling_view);
 }

@@ -60,6 +60,8 @@ void addLightTransport(CLI::App& command, v1::LightTransport& light);
 /// (render/choices.h).
 struct Approximations {
   std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing", culling_view = "none";
+  std::string technique = "path_traced", ambient = "none", indirect_rate = "full", reconstruction = "reuse";
+  float ambient_radius = 10.0f, aperture = 0.0f, focus = 10.0f;
   uint32_t shadow_map_size = 2048;
   bool levels_of_detail = true, taa = false;
 
@@ -69,6 +71,7 @@ struct Approximations {
     *message.mutable_approximations() = toWire();
     message.set_inspect(inspectOnWire());
     message.set_culling_view(cullingViewOnWire());
+    *message.mutable_lens() = lensOnWire();
   }
   /// For this process's own renderer.
   void put(render::ViewSettings& settings) const;
@@ -77,6 +80,7 @@ struct Approximations {
   v1::Approximations toWire() const;
   v1::Inspect inspectOnWire() const;
   v1::CullingView cullingViewOnWire() const;
+  v1::Lens lensOnWire() const;
 };
 void addApproximations(CLI::App& command, Approximations& approximations);
 

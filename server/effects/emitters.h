@@ -30,7 +30,8 @@ struct MeshEmitters {
 /// The emissive triangles of all meshes of a scene.
 struct EmitterTriangles {
   std::vector<shared::EmitterTriangle> triangles;
-  std::vector<MeshEmitters> meshes;  ///< by mesh
+  std::vector<MeshEmitters> meshes;       ///< by mesh
+  std::vector<shared::LampShape> shapes;  ///< by mesh
 };
 EmitterTriangles collectEmitters(const scene::Scene& scene);
 

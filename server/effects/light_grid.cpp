@@ -25,6 +25,7 @@ void insert(shared::LightCell& cell, uint32_t slot, float weight) {
 void finish(shared::LightCell& cell) {
   double sum = 0.0, below = 0.0;
   for (uint32_t i = 0; i < cell.count; ++i) sum += cell.cdf[i];
+  cell.found = cell.count;
   cell.irradiance = static_cast<float>(sum);
   for (uint32_t i = 0; i < cell.count; ++i) {
     below += cell.cdf[i];

@@ -22,6 +22,63 @@ Result<void> inRange(const char* field, T value, T low, T high) {
                std::to_string(value), limit};
 }
 
+/// Whitted's technique takes nothing that is found by chance.
+Result<void> checkWhitted(const ViewSettings& settings) {
+  const std::string whitted = "settings.technique is whitted, which has no random numbers: ";
+  if (settings.denoiser != Denoiser::none || settings.inspect == Inspect::unfiltered)
+    return invalid("settings.denoiser", {}, whitted + "there is no noise to filter; choose denoiser none");
+  if (settings.aperture > 0.0f)
+    return invalid("settings.aperture", std::to_string(settings.aperture), whitted + "give aperture 0");
+  if (settings.ambient == Ambient::occluded)
+    return invalid("settings.ambient", "occluded", whitted + "choose ambient constant or none");
+  if (settings.light_feedback) return invalid("settings.light_feedback", "true", whitted + "turn light_feedback off");
+  return {};
+}
+
+Result<void> checkTechnique(const ViewSettings& settings) {
+  if (auto r = inRange("settings.ambient_radius", settings.ambient_radius, 1e-6f, 1e6f); !r) return r;
+  if (auto r = inRange("settings.aperture", settings.aperture, 0.0f, 10.0f); !r) return r;
+  if (auto r = inRange("settings.focus", settings.focus, 0.01f, 1e6f); !r) return r;
+  if (settings.aperture > 0.0f && settings.mode == Mode::hybrid && settings.primary == Primary::raster)
+    return invalid("settings.aperture", std::to_string(settings.aperture),
+                   "settings.aperture is " + std::to_string(settings.aperture) +
+                       ": a rasteriser sees from one point; choose primary traced, or aperture 0");
+  if (settings.light_feedback && !settings.light_lists)
+    return invalid("settings.light_feedback", "true",
+                   "settings.light_feedback is about light lists, and settings.light_lists is off: turn it on");
+  if (settings.mode == Mode::reference) return {};
+  if (settings.indirect_rate != IndirectRate::full) {
+    const std::string rate = "settings.indirect_rate is not full, ";
+    if (settings.technique != Technique::path_traced)
+      return invalid("settings.indirect_rate", {},
+                     rate + "and only path tracing has indirect light: choose it, or full");
+    if (settings.samples != 1)
+      return invalid("settings.samples", std::to_string(settings.samples), rate + "so choose 1 sample a tick");
+    if (settings.denoiser == Denoiser::asvgf)
+      return invalid("settings.denoiser", "asvgf",
+                     rate + "and asvgf compares single samples with themselves: choose another denoiser");
+    if (settings.measure_bare_trace)
+      return invalid("settings.measure_bare_trace", "true", rate + "and rays are logged for full alone");
+  }
+  if (settings.technique == Technique::path_traced) {
+    if (settings.ambient != Ambient::none)
+      return invalid("settings.ambient", {},
+                     "settings.ambient stands in for light that path tracing follows: choose technique distributed or "
+                     "whitted, or ambient none");
+    return {};
+  }
+  if (!settings.light_sampling)
+    return invalid("settings.light_sampling", "false",
+                   "settings.light_sampling is off, and settings.technique lives on it: turn it on");
+  if (settings.sky_sampling && settings.ambient != Ambient::none)
+    return invalid("settings.sky_sampling", "true",
+                   "settings.sky_sampling and settings.ambient both bring the sky's light: choose one of them");
+  if (settings.measure_bare_trace)
+    return invalid("settings.measure_bare_trace", "true",
+                   "settings.measure_bare_trace logs the rays of path tracing alone: choose technique path_traced");
+  return settings.technique == Technique::whitted ? checkWhitted(settings) : Result<void>{};
+}
+
 }  // namespace
 
 Result<void> check(const scene::Camera& camera) {
@@ -50,6 +107,7 @@ Result<void> check(const ViewSettings& settings) {
                    "settings.lamp_samples is " + std::to_string(settings.lamp_samples) +
                        ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
+  if (auto r = checkTechnique(settings); !r) return r;
   if (auto r = inRange("settings.shadow_map_size", settings.shadow_map_size, 256u, 4096u); !r) return r;
   if (settings.culling_view != CullingView::none && settings.mode == Mode::reference)
     return invalid("settings.culling_view", std::to_string(static_cast<uint32_t>(settings.culling_view)),

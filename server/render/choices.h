@@ -36,6 +36,30 @@ inline constexpr Choice<Denoiser> kDenoisers[] = {
     {"none", Denoiser::none},
     {"svgf", Denoiser::svgf},
     {"asvgf", Denoiser::asvgf},
+    {"reblur", Denoiser::reblur},
+};
+
+inline constexpr Choice<Technique> kTechniques[] = {
+    {"path_traced", Technique::path_traced},
+    {"distributed", Technique::distributed},
+    {"whitted", Technique::whitted},
+};
+
+inline constexpr Choice<Ambient> kAmbients[] = {
+    {"none", Ambient::none},
+    {"constant", Ambient::constant},
+    {"occluded", Ambient::occluded},
+};
+
+inline constexpr Choice<IndirectRate> kIndirectRates[] = {
+    {"full", IndirectRate::full},
+    {"half", IndirectRate::half},
+    {"quarter", IndirectRate::quarter},
+};
+
+inline constexpr Choice<Reconstruction> kReconstructions[] = {
+    {"reuse", Reconstruction::reuse},
+    {"bilateral", Reconstruction::bilateral},
 };
 
 inline constexpr Choice<Inspect> kInspects[] = {

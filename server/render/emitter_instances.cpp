@@ -10,6 +10,7 @@ namespace helio::render {
 
 void EmitterInstances::upload(gpu::Commands& commands, const accel::InstanceTable& instances) {
   made_ = true;
+  ++version_;
   std::vector<effects::PlacedLight> lights = effects::placedLights(punctual_);
   const std::vector<shared::PunctualRecord> punctual = effects::punctualRecords(punctual_);
   std::vector<float> weights;

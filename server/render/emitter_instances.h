@@ -18,6 +18,11 @@ class EmitterInstances {
   void upload(gpu::Commands& commands, const accel::InstanceTable& instances);
   /// Fills in what light sampling needs.
   void describe(shared::FrameConstants& constants) const;
+  /// Of the light grid: its cells, and their table on the GPU.
+  uint32_t cells() const { return grid_size_.x * grid_size_.y; }
+  VkDeviceAddress cellTable() const { return cells_.address(); }
+  /// Another number whenever the tables were made anew.
+  uint64_t version() const { return version_; }
   uint64_t bytes() const { return instances_.size() + cells_.size() + punctual_records_.size(); }
 
  private:
@@ -27,6 +32,7 @@ class EmitterInstances {
   gpu::Device& device_;
   const std::vector<scene::PunctualLight>& punctual_;
   bool made_ = false;
+  uint64_t version_ = 0;
   gpu::Buffer instances_;
   gpu::Buffer cells_;
   gpu::Buffer punctual_records_;

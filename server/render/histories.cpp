@@ -29,7 +29,8 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
     return;
   }
   const bool fits = motion && width_ == settings.width && height_ == settings.height &&
-                    split_ == splitsLight(settings) && denoiser_ == settings.denoiser && taa_ == settings.taa;
+                    split_ == splitsLight(settings) && denoiser_ == settings.denoiser && taa_ == settings.taa &&
+                    reconstructs_ == reconstructs(settings);
   if (!fits) makeImages(commands, settings);
   if (settings.poison_history) poison(commands);
   now_ = 1 - now_;
@@ -60,6 +61,7 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
   split_ = splitsLight(settings);
   denoiser_ = settings.denoiser;
   taa_ = settings.taa;
+  reconstructs_ = reconstructs(settings);
   // A texel a square of `side` pixels.
   const auto image = [&](const char* name, VkFormat format, uint64_t texel_bytes, uint32_t side = 1) {
     const uint32_t width = (width_ + side - 1) / side, height = (height_ + side - 1) / side;
@@ -83,18 +85,29 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
   albedos = words("albedos");
   emission = image("emission", VK_FORMAT_R32_UINT, 4);
   for (Light* light : {&sampled, &spare}) *light = {words("light by lobe"), half2("deviations of light")};
+  const auto buffer_of = [&](const char* name, uint64_t bytes) {
+    bytes_ += bytes;
+    return gpu::Buffer(*device_, {name, bytes, gpu::MemoryCategory::path_tracing});
+  };
+  if (reconstructs_)
+    indirect = buffer_of("indirect light of pixels", uint64_t{width_} * height_ * sizeof(shared::IndirectSample));
   if (denoiser_ == Denoiser::none) return;
   filtered = words("light of the ticks before");
-  moments = words("moments of light");
   samples = half2("samples of light");
+  if (denoiser_ == Denoiser::reblur) {
+    stabilised = half2("luminance that was shown");
+    for (uint32_t level = 0; level < shared::kHistoryMips; ++level)
+      mips[level] = image("coarser light", VK_FORMAT_R32G32_UINT, 8, 2u << level);
+    return;
+  }
+  moments = words("moments of light");
   if (denoiser_ != Denoiser::asvgf) return;
   using shared::kStratum;
   claims = image("claims of strata", VK_FORMAT_R32_UINT, 4, kStratum);
   for (gpu::Image& gradient : gradients)
     gradient = image("gradients of light", VK_FORMAT_R16G16B16A16_SFLOAT, 8, kStratum);
-  const uint64_t sample_bytes = uint64_t{claims.width()} * claims.height() * sizeof(shared::GradientSample);
-  gradient_samples = gpu::Buffer(*device_, {"samples to shade again", sample_bytes, gpu::MemoryCategory::path_tracing});
-  bytes_ += sample_bytes;
+  gradient_samples =
+      buffer_of("samples to shade again", uint64_t{claims.width()} * claims.height() * sizeof(shared::GradientSample));
 }
 
 void Histories::poison(gpu::Commands& commands) const {
@@ -106,6 +119,8 @@ void Histories::poison(gpu::Commands& commands) const {
     if (image) vkCmdClearColorImage(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_GENERAL, &value, 1, &all);
   };
   clear(samples, nan);
+  clear(stabilised, nan);
+  clear(spare.deviation, nan);
   for (const gpu::Image* image : {&filtered, &moments, &antialiased}) clear(*image, words_of_nan);
   commands.barrier(gpu::use::transfer_write, gpu::use::everything);
 }
@@ -126,6 +141,8 @@ void Histories::describeImages() {
   c.filtered = slot(filtered);
   c.moments = slot(moments);
   c.samples = slot(samples);
+  c.stabilised = slot(stabilised);
+  for (uint32_t level = 0; level < shared::kHistoryMips; ++level) c.mips[level] = slot(mips[level]);
   c.gradient_samples = gradient_samples ? gradient_samples.address() : 0;
   c.claims = slot(claims);
   c.gradients = slot(gradients[kGradientIterations % 2]);

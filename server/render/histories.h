@@ -14,13 +14,17 @@ namespace helio::render {
 /// Of the filter of A-SVGF's gradients: the images take turns, and the last one written is what the mean heeds.
 constexpr uint32_t kGradientIterations = 5;
 
-/// The settings call for the tick before: where things were, at least.
-inline bool looksBack(const ViewSettings& settings) {
+/// What is shown is made of this tick's light and what was kept, and not of samples alone.
+inline bool replacesPicture(const ViewSettings& settings) {
   return settings.denoiser != Denoiser::none || settings.taa || settings.inspect != Inspect::nothing;
 }
+/// Some pixels look at their neighbours' indirect light.
+inline bool reconstructs(const ViewSettings& settings) { return settings.indirect_rate != IndirectRate::full; }
+/// The settings call for histories: motion and surfaces, at least.
+inline bool looksBack(const ViewSettings& settings) { return replacesPicture(settings) || reconstructs(settings); }
 /// The settings call for light by the first vertex's lobes.
 inline bool splitsLight(const ViewSettings& settings) {
-  return settings.denoiser != Denoiser::none || settings.inspect == Inspect::unfiltered;
+  return settings.denoiser != Denoiser::none || settings.inspect == Inspect::unfiltered || reconstructs(settings);
 }
 
 class Histories {
@@ -57,6 +61,11 @@ class Histories {
   // Of A-SVGF (shaders/shared/gradients.h), a texel a stratum.
   gpu::Buffer gradient_samples;
   gpu::Image claims;
+  // Of ReBLUR.
+  gpu::Image stabilised;
+  std::array<gpu::Image, shared::kHistoryMips> mips;
+  /// What pixels know of their neighbours' indirect light: shared::IndirectSample a pixel.
+  gpu::Buffer indirect;
   std::array<gpu::Image, 2> gradients;
   const gpu::Image& surface() const { return surfaces_[now_]; }
   const gpu::Image& previousSurface() const { return surfaces_[1 - now_]; }
@@ -73,7 +82,7 @@ class Histories {
   scene::Camera camera_;
   gpu::Image resolved_;
   uint32_t width_ = 0, height_ = 0;
-  bool split_ = false, taa_ = false;
+  bool split_ = false, taa_ = false, reconstructs_ = false;
   Denoiser denoiser_ = Denoiser::none;
   uint64_t tick_ = 0;
   bool known_ = false;  // the tick before was kept

@@ -17,6 +17,7 @@ inline constexpr LightSwitch kLightSwitches[] = {
     {"mis", &ViewSettings::mis, "weight light and scattering samples against each other"},
     {"sky_sampling", &ViewSettings::sky_sampling, "sample the sky as a light"},
     {"light_lists", &ViewSettings::light_lists, "choose lamps from the list of their cell"},
+    {"light_feedback", &ViewSettings::light_feedback, "lists learn which lamps shadow rays find"},
     {"round_surfaces", &ViewSettings::round_surfaces, "rays leave from the surface that vertex normals tell of"},
     {"multiple_scattering", &ViewSettings::multiple_scattering, "keep what microfacets scatter more than once"},
 };

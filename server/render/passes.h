@@ -8,10 +8,13 @@
 #include "render/passes/error_estimate.h"
 #include "render/passes/exposure.h"
 #include "render/passes/inspect.h"
+#include "render/passes/learn_lamps.h"
 #include "render/passes/motion.h"
 #include "render/passes/path_trace.h"
 #include "render/passes/primary_raster.h"
 #include "render/passes/primary_traced.h"
+#include "render/passes/reblur.h"
+#include "render/passes/reconstruct.h"
 #include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
 #include "render/passes/svgf.h"
@@ -28,6 +31,8 @@ struct Passes {
         primary_traced(device),
         motion(device),
         path_trace(device),
+        reconstruct(device),
+        learn_lamps(device),
         accumulate(device),
         statistics(device),
         error_estimate(device),
@@ -35,6 +40,7 @@ struct Passes {
         tonemap(device),
         svgf(device),
         asvgf(device),
+        reblur(device),
         taa(device),
         inspect(device),
         culling_view(device),
@@ -49,6 +55,8 @@ struct Passes {
         return &svgf;
       case Denoiser::asvgf:
         return &asvgf;
+      case Denoiser::reblur:
+        return &reblur;
     }
     return nullptr;
   }
@@ -59,6 +67,8 @@ struct Passes {
   PrimaryTraced primary_traced;
   Motion motion;
   PathTrace path_trace;
+  Reconstruct reconstruct;
+  LearnLamps learn_lamps;
   Accumulate accumulate;
   Statistics statistics;
   ErrorEstimate error_estimate;
@@ -66,6 +76,7 @@ struct Passes {
   Tonemap tonemap;
   Svgf svgf;
   Asvgf asvgf;
+  Reblur reblur;
   Taa taa;
   InspectPass inspect;
   CullingViewPass culling_view;

@@ -15,6 +15,7 @@
 #include "scene/scene.h"
 #include "shared/culling_view.h"
 #include "shared/history.h"
+#include "shared/technique.h"
 #include "world/world.h"
 
 namespace helio::render {
@@ -38,8 +39,35 @@ enum class SunShadow {
 /// What turns one sample a pixel into a picture that is good to look at. Biased; not in reference mode.
 enum class Denoiser {
   none,
-  svgf,   ///< spatiotemporal variance-guided filtering [Schied et al. 2017]
-  asvgf,  ///< the same, with a history as long as the light stays what it was [Schied et al. 2018]
+  svgf,    ///< spatiotemporal variance-guided filtering [Schied et al. 2017]
+  asvgf,   ///< the same, with a history as long as the light stays what it was [Schied et al. 2018]
+  reblur,  ///< recurrent blur: the history is blurred again in every tick [Zhdan 2021]
+};
+/// How light is followed: the stages of ray tracing's history [Lipp 2021, table 4.1]. Reference mode knows path tracing
+/// alone; the others are biased.
+enum class Technique : uint32_t {
+  path_traced = shared::kTechniquePathTraced,
+  /// Direct light with soft shadows, and what lobes that shine show: none that was scattered diffusely before.
+  distributed = shared::kTechniqueDistributed,
+  /// Hard shadows of points in the lamps' centres, sharp reflections, nothing at random.
+  whitted = shared::kTechniqueWhitted,
+};
+/// What stands in the place of light scattered diffusely, where a technique has none (biased).
+enum class Ambient : uint32_t {
+  none = shared::kAmbientNone,
+  constant = shared::kAmbientConstant,  ///< the sky's, as if nothing stood in its way
+  occluded = shared::kAmbientOccluded,  ///< ambient occlusion: the sky's, where a ray meets nothing within a radius
+};
+/// In how many pixels paths go on beyond the surface that they show; the others look at their neighbours'.
+enum class IndirectRate : uint32_t {
+  full = shared::kIndirectFull,
+  half = shared::kIndirectHalf,
+  quarter = shared::kIndirectQuarter,
+};
+/// How the others do that (biased).
+enum class Reconstruction {
+  reuse,      ///< neighbours' rays, weighted by the pixel's own BRDF over their density [Stachowiak 2015]
+  bilateral,  ///< neighbours' results, weighted by how alike their surfaces are [Kopf et al. 2007]
 };
 /// Plain numbers in the picture's place (shaders/shared/history.h says which): for tests and for the curious.
 enum class Inspect : uint32_t {
@@ -75,16 +103,26 @@ struct ViewSettings {
   uint32_t samples = 1;  ///< paths a pixel a tick, [1, 64]
   bool roulette = true;  ///< Russian roulette (unbiased)
   Sampler sampler = Sampler::low_discrepancy;
-  bool light_sampling = true;  ///< next event estimation (unbiased); punctual lights are sampled without it too
-  bool mis = true;             ///< multiple importance sampling of lights and BSDF (unbiased); off: lights alone
-  bool sky_sampling = false;   ///< light sampling looks for the sky too (unbiased)
-  uint32_t lamp_samples = 1;   ///< of a path's first vertex, [0, 64] (unbiased); 0: each lamp once, if there are at
-                               ///< most 1,024, else 64
-  bool light_lists = true;     ///< lamps are chosen from their cell's list (unbiased); off: among all by power
-  bool round_surfaces = true;  ///< rays leave from the surface that vertex normals tell of, against faceted shadows
+  bool light_sampling = true;   ///< next event estimation (unbiased); punctual lights are sampled without it too
+  bool mis = true;              ///< multiple importance sampling of lights and BSDF (unbiased); off: lights alone
+  bool sky_sampling = false;    ///< light sampling looks for the sky too (unbiased)
+  uint32_t lamp_samples = 1;    ///< of a path's first vertex, [0, 64] (unbiased); 0: each lamp once, if there are at
+                                ///< most 1,024, else 64
+  bool light_lists = true;      ///< lamps are chosen from their cell's list (unbiased); off: among all by power
+  bool light_feedback = false;  ///< lists learn from shadow rays which lamps their cells see (unbiased); with
+                                ///< lamp_samples 0: each that is seen once, and one of the others. Needs light_lists;
+                                ///< not in reference mode, whose pictures do not depend on the ticks before
+  bool round_surfaces = true;   ///< rays leave from the surface that vertex normals tell of, against faceted shadows
   bool multiple_scattering = false;  ///< GGX lobes keep the light that they scatter more than once
   float regularisation = 0.0f;       ///< least perceptual roughness after a rough scattering, [0, 1]; biased, so not
                                      ///< in reference mode
+  Technique technique = Technique::path_traced;
+  Ambient ambient = Ambient::none;
+  float ambient_radius = 10.0f;                     ///< metres within which occluders count, (0, 1e6]
+  IndirectRate indirect_rate = IndirectRate::full;  ///< not in reference mode
+  Reconstruction reconstruction = Reconstruction::reuse;
+  float aperture = 0.0f;  ///< metres of the lens' diameter, [0, 10]: depth of field; primary hits must be traced
+  float focus = 10.0f;    ///< metres from the camera to the plane that is sharp, [0.01, 1e6]
   SunShadow sun_shadow = SunShadow::rays;  ///< reference mode knows rays alone
   uint32_t shadow_map_size = 2048;         ///< texels along a side of each of its cascades, [256, 4096]
   bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference

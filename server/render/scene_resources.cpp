@@ -284,6 +284,8 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   geometries_ = uploaded(device, commands, "the geometry table", tables.geometries);
   emitter_triangles_ = uploaded(device, commands, "the emissive triangles", tables.emitters.triangles,
                                 gpu::MemoryCategory::path_tracing);
+  lamp_shapes_ =
+      uploaded(device, commands, "the shapes of lamps", tables.emitters.shapes, gpu::MemoryCategory::path_tracing);
   materials_ = uploaded(device, commands, "the material table", materialTable(scene, TextureSlots{texture_slots}));
   uploadDraws(device, commands, scene, tables);
 

@@ -29,7 +29,8 @@ class SceneResources {
   VkDeviceAddress geometries() const { return geometries_.address(); }
   VkDeviceAddress materials() const { return materials_.address(); }
   VkDeviceAddress emitterTriangles() const { return emitter_triangles_.address(); }
-  uint64_t emitterBytes() const { return emitter_triangles_.size(); }
+  VkDeviceAddress lampShapes() const { return lamp_shapes_.address(); }
+  uint64_t emitterBytes() const { return emitter_triangles_.size() + lamp_shapes_.size(); }
   uint64_t textureBytes() const { return texture_bytes_; }
   /// The mesh table, and by record what its BLAS is built of.
   const std::vector<shared::MeshRecord>& meshRecords() const { return mesh_records_; }
@@ -63,7 +64,7 @@ class SceneResources {
   std::vector<gpu::Image> textures_;
   uint64_t texture_bytes_ = 0;
   gpu::Buffer positions_, attributes_, indices_, extras_, deforms_;
-  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, draw_records_, cull_meshes_;
+  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, lamp_shapes_, draw_records_, cull_meshes_;
   uint32_t draw_count_ = 0, solid_draws_ = 0;
   std::vector<shared::MeshRecord> mesh_records_;
   std::vector<accel::SharedShape> shapes_;

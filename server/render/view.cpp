@@ -19,7 +19,10 @@ bool continues(const ViewSettings& a, const ViewSettings& b) {
          a.round_surfaces == b.round_surfaces && a.multiple_scattering == b.multiple_scattering &&
          a.regularisation == b.regularisation && a.sun_shadow == b.sun_shadow &&
          a.shadow_map_size == b.shadow_map_size && a.levels_of_detail == b.levels_of_detail &&
-         a.materials == b.materials && a.accumulate == b.accumulate && looksBack(a) == looksBack(b);
+         a.technique == b.technique && a.ambient == b.ambient && a.ambient_radius == b.ambient_radius &&
+         a.indirect_rate == b.indirect_rate && a.reconstruction == b.reconstruction && a.aperture == b.aperture &&
+         a.focus == b.focus && a.light_feedback == b.light_feedback && a.materials == b.materials &&
+         a.accumulate == b.accumulate && looksBack(a) == looksBack(b);
 }
 
 /// Numbers of any sign, which are no light.
@@ -87,6 +90,10 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   }
   if (settings.mode == Mode::reference || showsProperty(settings.materials)) {
     settings_.denoiser = Denoiser::none;
+    settings_.technique = Technique::path_traced;
+    settings_.ambient = Ambient::none;
+    settings_.indirect_rate = IndirectRate::full;
+    settings_.light_feedback = false;
     settings_.taa = false;
     settings_.inspect = Inspect::nothing;
   }
@@ -97,9 +104,10 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
   if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;
-  tick_jitter_ = settings_.taa && !still_ ? pixelPosition(tick)
-                 : accumulating()         ? pixelPosition(accumulated_)
-                                          : glm::vec2(0.5f);
+  tick_jitter_ = settings_.taa && !still_                    ? pixelPosition(tick)
+                 : settings_.technique == Technique::whitted ? glm::vec2(0.5f)
+                 : accumulating()                            ? pixelPosition(accumulated_)
+                                                             : glm::vec2(0.5f);
 
   const uint64_t texels = uint64_t{settings.width} * settings.height;
   const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;
@@ -166,8 +174,10 @@ shared::SampleConstants View::nextSample() {
   // A moving picture is sampled at the pixel's centre, a still one all over the pixel. A rasterised picture has one
   // position for a whole tick.
   const bool own_hits = settings_.primary == Primary::traced || reference;
-  // What looks back knows one surface a pixel and tick.
-  sample.jitter = accumulating() && own_hits && !looksBack(settings_) ? glm::vec2(-1.0f) : tick_jitter_;
+  // What looks back knows one surface a pixel and tick; Whitted's technique knows no random numbers.
+  sample.jitter = accumulating() && own_hits && !looksBack(settings_) && settings_.technique != Technique::whitted
+                      ? glm::vec2(-1.0f)
+                      : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;
   return sample;

@@ -66,10 +66,10 @@ class View {
   /// Live, and nothing has changed since the last tick: samples are averaged from tick to tick.
   bool still() const { return still_; }
   /// What is denoised or inspected takes the sample's place; its plain mean serves a picture that stands still alone.
-  bool averaging() const { return looksBack(settings_) ? still_ : accumulating(); }
+  bool averaging() const { return replacesPicture(settings_) ? still_ : accumulating(); }
   const gpu::Image& shown() const {
-    return accumulating() && !looksBack(settings_) && settings_.culling_view == CullingView::none ? accumulation
-                                                                                                  : radiance;
+    return accumulating() && !replacesPicture(settings_) && settings_.culling_view == CullingView::none ? accumulation
+                                                                                                        : radiance;
   }
 
   /// Push constants of the next sample of this tick.

@@ -72,6 +72,7 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       strategy_(accel::fullStrategy()),
       tlas_(*device_, commands_, *scene_),
       emitters_(*device_, *scene_),
+      light_lists_(*device_),
       paths_(*device_),
       registry_(*scene_),
       environment_(scene_->environment) {
@@ -167,6 +168,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
     shared_blases_.forget();
     own_blases_.forget();
     draw_table_.invalidate();
+    light_lists_.forget();
     if (lipac_) lipac_->forget();
     reassemble_ = true;
     for (const auto& [handle, view] : views_) view->forget();
@@ -186,6 +188,9 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
   if (!rasterises) draw_table_.release(commands_);
   Graph graph;
   addWorldPasses(graph);
+  const bool learns = std::any_of(requests.begin(), requests.end(),
+                                  [this](const ViewRequest& request) { return learnsLamps(request.settings); });
+  if (learns) passes_.learn_lamps.addAhead(graph, light_lists_, emitters_);
   std::vector<Work> work;
   work.reserve(requests.size());
   for (const ViewRequest& request : requests) {
@@ -196,6 +201,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
     work.push_back({view, static_cast<int>(work.size()), {}});
     addViewPasses(graph, work.back());
   }
+  if (learns) passes_.learn_lamps.add(graph, light_lists_, emitters_);
   if (guided_) addFeedback(graph, changes.tick);
   // Building beside what is rasterised; nothing else could run in the meantime.
   gpu::Commands* aside = builds_aside_ && rasterises ? &async_ : nullptr;
@@ -286,7 +292,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
                       &instances_,
                       paths_,
                       guided_ ? static_cast<Resource>(&lipac_) : nullptr,
-                      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit};
+                      guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit,
+                      learnsLamps(settings) ? static_cast<Resource>(&light_lists_) : nullptr};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
 
@@ -305,12 +312,16 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
     if (i == 0 && (usesRaster(settings) || shadow_map)) addRasterPasses(pass, sample.jitter);
     if (denoiser) denoiser->addAhead(pass);
     passes_.path_trace.add(pass, sample, effects_);
+    if (reconstructs(settings)) {
+      passes_.motion.add(pass, sample);
+      passes_.reconstruct.add(pass, sample);
+    }
     passes_.statistics.add(pass, sample);
     if (view.averaging()) passes_.accumulate.add(pass, sample);
   }
 
   const shared::SampleConstants last = view.finalConstants();
-  if (looksBack(settings)) passes_.motion.add(pass, work.samples.back());
+  if (replacesPicture(settings) && !reconstructs(settings)) passes_.motion.add(pass, work.samples.back());
   if (denoiser) denoiser->add(pass, work.samples.back(), last);
   if (knowsVariance(settings)) passes_.error_estimate.add(pass, last);
   if (settings.taa && settings.inspect == Inspect::nothing) passes_.taa.add(pass);
@@ -404,11 +415,14 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
     c.sky_zenith = c.sky_ground = glm::vec3(0.0f);
   }
   c.roulette = settings.roulette;
+  describeTechnique(c, view);
   c.independent_samples = settings.sampler == Sampler::independent;
   c.light_sampling = settings.light_sampling;
   c.mis = settings.mis;
   c.sky_sampling = settings.light_sampling && settings.sky_sampling && shines(environment_.sky);
-  c.lamp_samples = settings.lamp_samples > 0 || c.emitter_instance_count <= kMostLampsOnce ? settings.lamp_samples : 64;
+  c.lamp_samples = settings.lamp_samples > 0 || c.emitter_instance_count <= kMostLampsOnce || learnsLamps(settings)
+                       ? settings.lamp_samples
+                       : 64;
   if (!settings.light_lists) c.light_grid_size = {};
   c.round_surfaces = settings.round_surfaces;
   if (settings.mode == Mode::hybrid) c.least_alpha = settings.regularisation * settings.regularisation;

@@ -18,6 +18,7 @@
 #include "effects/registry.h"
 #include "render/draw_table.h"
 #include "render/emitter_instances.h"
+#include "render/light_lists.h"
 #include "render/passes.h"
 #include "render/path_queue.h"
 #include "render/renderer.h"
@@ -75,6 +76,10 @@ class WorldRenderer {
   void describeCounting(shared::FrameConstants& constants, const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
+  /// Fills in what the view's technique, lens, lamps and histories need (world_lights.cpp).
+  void describeTechnique(shared::FrameConstants& constants, View& view) const;
+  /// Whether the lists of lamps learn in this tick from what the settings' shadow rays find.
+  bool learnsLamps(const ViewSettings& settings) const;
   /// The table of multiple scattering, made for the first view that asks for it.
   VkDeviceAddress ggxAlbedo(gpu::Commands& commands);
   Frame finishView(const Graph& graph, const std::vector<gpu::TimedPass>& times, const Work& work,
@@ -104,6 +109,7 @@ class WorldRenderer {
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;
+  LightLists light_lists_;
   PathQueue paths_;
   gpu::Buffer ggx_albedo_;
   effects::Registry registry_;

@@ -123,6 +123,24 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
   for (const render::LightSwitch& each : render::kLightSwitches)
     if (const auto* field = fieldOf(each); light.GetReflection()->HasField(light, field))
       view.*each.field = light.GetReflection()->GetBool(light, field);
+  if (auto ok =
+          choose(name + ".approximations.technique", approximations.technique(), render::kTechniques, view.technique);
+      !ok)
+    return ok.error();
+  if (auto ok = choose(name + ".approximations.ambient", approximations.ambient(), render::kAmbients, view.ambient);
+      !ok)
+    return ok.error();
+  if (approximations.ambient_radius() != 0.0f) view.ambient_radius = approximations.ambient_radius();
+  if (auto ok = choose(name + ".approximations.indirect_rate", approximations.indirect_rate(), render::kIndirectRates,
+                       view.indirect_rate);
+      !ok)
+    return ok.error();
+  if (auto ok = choose(name + ".approximations.reconstruction", approximations.reconstruction(),
+                       render::kReconstructions, view.reconstruction);
+      !ok)
+    return ok.error();
+  view.aperture = message.lens().aperture();
+  if (message.lens().focus() != 0.0f) view.focus = message.lens().focus();
   view.regularisation = light.regularisation();
   if (light.has_lamp_samples()) view.lamp_samples = light.lamp_samples();
   return view;
@@ -297,6 +315,13 @@ v1::Settings toWire(const ViewerSettings& settings) {
   approximations.set_levels_of_detail(view.levels_of_detail);
   approximations.set_taa(view.taa);
   approximations.set_denoiser(numberOf<v1::Denoiser>(render::kDenoisers, view.denoiser));
+  approximations.set_technique(numberOf<v1::Technique>(render::kTechniques, view.technique));
+  approximations.set_ambient(numberOf<v1::Ambient>(render::kAmbients, view.ambient));
+  approximations.set_ambient_radius(view.ambient_radius);
+  approximations.set_indirect_rate(numberOf<v1::IndirectRate>(render::kIndirectRates, view.indirect_rate));
+  approximations.set_reconstruction(numberOf<v1::Reconstruction>(render::kReconstructions, view.reconstruction));
+  out.mutable_lens()->set_aperture(view.aperture);
+  out.mutable_lens()->set_focus(view.focus);
   out.set_culling_view(numberOf<v1::CullingView>(render::kCullingViews, view.culling_view));
   out.set_inspect(numberOf<v1::Inspect>(render::kInspects, view.inspect));
   v1::LightTransport& light = *out.mutable_light_transport();

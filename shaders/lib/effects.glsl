@@ -3,6 +3,7 @@
 #ifndef HELIO_EFFECTS_GLSL
 #define HELIO_EFFECTS_GLSL
 #include "shared/material_override.h"
+#include "shared/technique.h"
 
 layout(constant_id = 0) const bool kTextures = true;
 layout(constant_id = 1) const bool kNormalMaps = true;
@@ -30,6 +31,16 @@ layout(constant_id = 43) const bool kManyLamps = false;
 layout(constant_id = 45) const bool kCountHits = false;
 // Boxes are any-hit geometry (accel::BoxHits).
 layout(constant_id = 49) const bool kAnyHitBoxes = false;
+// 48: kReshades (path_trace.rgen).
+layout(constant_id = 50) const uint kTechnique = kTechniquePathTraced;
+layout(constant_id = 51) const uint kAmbient = kAmbientNone;
+// The camera has a lens that may be wider than a point.
+layout(constant_id = 52) const bool kLens = true;
+// Shadow rays tell the light grid which lamps are seen (shared/light_lists.h).
+layout(constant_id = 53) const bool kLightFeedback = false;
+layout(constant_id = 54) const uint kIndirectRate = kIndirectFull;
+// Denoisers are told how far the next surface is.
+layout(constant_id = 55) const bool kHitDistances = false;
 // Light by the first vertex's diffuse and specular lobes is kept apart, without albedos (shared/history.h).
 layout(constant_id = 46) const bool kSplit = false;
 

@@ -49,9 +49,15 @@ uint packAlbedo(vec3 albedo) {
   return q.r | q.g << 10 | q.b << 20;
 }
 vec3 unpackAlbedo(uint albedo) {
-  const vec3 root = vec3(albedo & 1023u, albedo >> 10 & 1023u, albedo >> 20) / 1023.0;
+  const vec3 root = vec3(albedo & 1023u, albedo >> 10 & 1023u, albedo >> 20 & 1023u) / 1023.0;
   return root * root;
 }
+// The two highest bits of both albedos tell how rough the specular lobe is, perceptually, in 4 bits.
+uvec2 withRoughness(uvec2 albedos, float roughness) {
+  const uint q = uint(round(clamp(roughness, 0.0, 1.0) * 15.0));
+  return albedos | uvec2(q & 3u, q >> 2) << 30;
+}
+float roughnessOf(uvec2 albedos) { return float(albedos.x >> 30 | albedos.y >> 30 << 2) / 15.0; }
 
 // ---- Light ----
 // Three numbers of 9 bits with an exponent of 5 bits in common, as VK_FORMAT_E5B9G9R9_UFLOAT_PACK32: half of what 16-bit floats take.

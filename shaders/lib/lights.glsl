@@ -41,11 +41,30 @@ float emitterProbability(vec3 p, uint slot, float weight) {
 // How many lamps the vertex at hand draws; 0: each lamp once.
 uint lamp_draws_ = 1u;
 
+// How many lamps a cell has found, and whether `slot` is among those that the cell of `p` has: with kLightFeedback they are looked at
+// one by one.
+uint foundIn(uint cell) { return cell == kNothing ? 0u : LightCellTable(frame.light_cells).items[cell].found; }
+bool foundFrom(vec3 p, uint slot) {
+  const uint index = lightCellOf(p), found = foundIn(index);
+  LightCellTable cells = LightCellTable(frame.light_cells);
+  for (uint i = 0u; i < found; ++i)
+    if (cells.items[index].slots[i] == slot) return true;
+  return false;
+}
+
 // How often the vertex at `p` draws lamp `slot`, on average: what a sample of it is divided by, and its density is times.
 float lampRate(vec3 p, uint slot, float weight) {
-  if (kManyLamps && lamp_draws_ == 0u) return 1.0;
+  if (kManyLamps && lamp_draws_ == 0u) return !kLightFeedback || foundFrom(p, slot) ? 1.0 : weight / frame.emitter_weight_sum;
   const float probability = emitterProbability(p, slot, weight);
   return kManyLamps ? float(lamp_draws_) * probability : probability;
+}
+
+// Any lamp of the world, in proportion to power; u in [0, 1)^2. By the alias method: an entry, and a coin that decides between it
+// and its alias.
+uint selectAnyEmitter(vec2 u) {
+  const uint entry = min(uint(u.x * float(frame.emitter_instance_count)), frame.emitter_instance_count - 1u);
+  const EmitterInstance chosen = EmitterInstanceTable(frame.emitter_instances).items[entry];
+  return u.y < chosen.keep ? chosen.slot : EmitterInstanceTable(frame.emitter_instances).items[chosen.alias].slot;
 }
 
 // Chooses a lamp: the slot of an instance, or kPunctualLight and an index; u in [0, 1)^3.
@@ -58,10 +77,7 @@ uint selectEmitter(vec3 p, vec3 u) {
     while (i + 1u < count && u.y >= cells.items[index].cdf[i]) ++i;
     return cells.items[index].slots[i];
   }
-  // By the alias method: an entry, and a coin that decides between it and its alias.
-  const uint entry = min(uint(u.y * float(frame.emitter_instance_count)), frame.emitter_instance_count - 1u);
-  const EmitterInstance chosen = EmitterInstanceTable(frame.emitter_instances).items[entry];
-  return u.z < chosen.keep ? chosen.slot : EmitterInstanceTable(frame.emitter_instances).items[chosen.alias].slot;
+  return selectAnyEmitter(u.yz);
 }
 
 #endif

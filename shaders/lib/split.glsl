@@ -6,7 +6,9 @@
 #ifndef HELIO_SPLIT_GLSL
 #define HELIO_SPLIT_GLSL
 #include "lib/history.glsl"
+#include "lib/indirect.glsl"
 #include "lib/surface.glsl"
+#include "lib/technique.glsl"
 
 // Of the path that this invocation traces.
 struct Split {
@@ -16,6 +18,8 @@ struct Split {
   vec3 specular;
   vec3 further;        // light of all that comes after, in this launch
   vec3 diffuse_share;  // of `further` that came by the diffuse lobe
+  float carried;       // > 0: `further` is what came along the ray times this, and is left to lib/indirect.glsl
+  float hit_distance;  // from the shown surface to the next, metres; 0: not known in this launch
 };
 Split split_;
 
@@ -23,6 +27,7 @@ void startSplit() {
   if (!kSplit) return;
   split_.shown = false;
   split_.emission = split_.diffuse = split_.specular = split_.further = split_.diffuse_share = vec3(0.0);
+  split_.carried = split_.hit_distance = 0.0;
 }
 
 // The diffuse lobe's share of what the surface scatters from `wi` to `wo`, given f |cos wi| of both lobes.
@@ -55,12 +60,45 @@ void addFurther(vec3 light) {
 uint packShare(vec3 share) { return packUnorm4x8(vec4(share, 0.0)); }
 vec3 unpackShare(uint share) { return unpackUnorm4x8(share).rgb; }
 
+// How far the next surface is, of the sample: the first to know it tells.
+void noteHitDistance(float distance) {
+  if (kHitDistances && split_.shown && split_.hit_distance == 0.0) split_.hit_distance = distance;
+}
+// In the place of the specular lobe's deviation of a sample, with kHitDistances: below 0 where it is known.
+float packHitDistance(float distance) { return -clamp(distance, 1e-4, kMostStored); }
+
+// Between launches: what tells where the path's light belongs.
+uint packCarried() { return split_.carried > 0.0 ? 0x80000000u | floatBitsToUint(split_.carried) : packShare(split_.diffuse_share); }
+void unpackCarried(uint state) {
+  if (kSharesIndirect && (state & 0x80000000u) != 0u) split_.carried = uintBitsToFloat(state & 0x7fffffffu);
+  else split_.diffuse_share = unpackShare(state);
+}
+
+// At the shown surface: whether its path goes on, where paths do so at a lower rate. What a mirror reflects always does.
+bool goesOnFromShown(uvec2 pixel, Surface s, vec3 wo, bool drawn, BsdfSample bsdf, inout vec3 throughput) {
+  storeIndirectSurface(pixel, s.frame_ * wo, s.bsdf);
+  if (drawn && bsdf.mirror) return true;
+  if (!followsIndirect(pixel)) return false;
+  if (!drawn) {
+    storeIndirectNothing(pixel);
+    return false;
+  }
+  // What comes along the ray is grey here, so that it can be told in all of its colours.
+  const vec3 diffuse = bsdf.weight * diffuseShare(s.bsdf, wo, bsdf.wi, bsdf.weight * bsdf.pdf), specular = bsdf.weight - diffuse;
+  const vec2 weights = vec2(luminance(diffuse) / max(luminance(s.bsdf.diffuse), kLeastAlbedo),
+                            luminance(specular) / max(luminance(glossyAlbedo(s.bsdf, wo)), kLeastAlbedo));
+  storeIndirectRay(pixel, s.frame_ * bsdf.wi, bsdf.pdf, weights);
+  throughput = vec3(maxComponent(throughput));
+  split_.carried = throughput.x;
+  return true;
+}
+
 // What denoisers must know of the surface that the path shows, `distance` metres along the path from the camera, whose first ray
 // had the direction `seen`. `tint`: of the mirror that it is seen in.
 void storeSurface(ivec2 pixel, Surface s, vec3 wo, vec3 seen, float distance, vec3 tint, bool mirrored) {
-  const vec3 specular = s.bsdf.compensation * coatAlbedo(s.bsdf, s.bsdf.coat.y * pow(clamp(1.0 - wo.z, 0.0, 1.0), s.bsdf.coat.x));
+  const vec3 specular = glossyAlbedo(s.bsdf, wo);
   const uvec2 surface = uvec2(packSurface(s.frame_[2], s.slot, mirrored), packDepth(dot(seen, frame.forward) * distance, mirrored));
-  const uvec2 albedos = uvec2(packAlbedo(tint * s.bsdf.diffuse), packAlbedo(tint * specular));
+  const uvec2 albedos = withRoughness(uvec2(packAlbedo(tint * s.bsdf.diffuse), packAlbedo(tint * specular)), sqrt(s.bsdf.alpha));
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
   imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
 }
@@ -85,11 +123,17 @@ void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
     for (int lobe = 0; lobe < 2; ++lobe) light.rgb[lobe] *= 1.0 - share;
     emission *= 1.0 - share;
   }
+  if (kHitDistances && light.deviation.y > 0.0 && split_.hit_distance > 0.0) light.deviation.y = packHitDistance(split_.hit_distance);
   if (dropped) {
     light.deviation = vec2(0.0);
+    if (kSharesIndirect) storeNoIndirect(uvec2(pixel));
   } else {
     const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
     const float scale = history.unit * share;
+    if (kSharesIndirect && split_.carried > 0.0) {
+      addIndirectLight(uvec2(pixel), split_.further / split_.carried);
+      split_.further = vec3(0.0);
+    }
     if (albedos.x != 0u) {
       light.rgb[0] += scale * (split_.diffuse + split_.further * split_.diffuse_share) / unpackAlbedo(albedos.x);
       light.rgb[1] += scale * (split_.specular + split_.further * (1.0 - split_.diffuse_share)) / unpackAlbedo(albedos.y);

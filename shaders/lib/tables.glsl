@@ -14,6 +14,7 @@ layout(buffer_reference, scalar) readonly buffer EmitterTriangleTable { EmitterT
 layout(buffer_reference, scalar) readonly buffer PunctualTable { PunctualRecord items[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer GgxAlbedoRef { GgxAlbedo albedo; };
 layout(buffer_reference, scalar) readonly buffer LightCellTable { LightCell items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer LampShapeTable { LampShape items[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer SpecularRef { SpecularRecord specular; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer VertexExtrasRef { VertexExtras extras; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer UvTable { vec2 items[]; };

@@ -12,12 +12,13 @@ const uint kMissShadow = 1;
 // Where nothing is cut out no ray need ask.
 const uint kOpaque = kAlphaMasks ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
 
-// The nearest surface; primitive == kNothing where there is none.
-Hit traceSurface(vec3 origin, vec3 direction) {
+// The nearest surface within `distance`; primitive == kNothing where there is none.
+Hit traceWithin(vec3 origin, vec3 direction, float distance) {
   hit_payload.primitive = kNothing;
-  traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, kFar, 0);
+  traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, distance, 0);
   return inSubmesh(hit_payload);
 }
+Hit traceSurface(vec3 origin, vec3 direction) { return traceWithin(origin, direction, kFar); }
 
 // Nothing within `distance`?
 bool traceVisible(vec3 origin, vec3 direction, float distance) {

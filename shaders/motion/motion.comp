@@ -47,14 +47,15 @@ vec4 motionOfSky(vec3 now, vec3 before) {  // it is infinitely far
 }
 
 vec4 motionOf(uvec2 pixel) {
-  const vec3 direction = cameraDirection(pixel);
+  const CameraRay ray = cameraRay(pixel);
+  const vec3 direction = ray.direction;
   const Hit hit = seenHit(pixel);
   if (hit.primitive == kNothing) return motionOfSky(direction, direction);
-  Followed shown = follow(hit, frame.position, direction);
+  Followed shown = follow(hit, ray.origin, direction);
   if (kMirrors && history.split != 0u && surfaceMirrored(imageLoad(images_rg32ui[history.surface], ivec2(pixel)).y)) {
     const Hit behind = unpackHit(imageLoad(images_rg32ui[history.spare], ivec2(pixel)).xy);
     const Followed mirror = shown;
-    const vec3 reflected = reflect(direction, mirror.normal), mirror_normal_before = normalBefore(hit, frame.position, direction);
+    const vec3 reflected = reflect(direction, mirror.normal), mirror_normal_before = normalBefore(hit, ray.origin, direction);
     if (behind.primitive == kNothing) return motionOfSky(direction, reflect(reflected, mirror_normal_before));
     shown = follow(behind, mirror.now, reflected);
     shown.now = mirror.now + reflect(shown.now - mirror.now, mirror.normal);

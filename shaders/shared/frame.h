@@ -15,6 +15,8 @@ struct FrameConstants {
   vec3 up;
   float near_plane;  // metres
   vec3 forward;
+  float lens_radius;   // metres; 0: a pinhole
+  float focus;         // metres along `forward`
   float pixel_spread;  // radians a pixel: the ray cone's opening [Akenine-Moeller 2019]
   float cone_growth;   // of the opening, at bounces; both 0: textures are read at their finest level
   uint width;
@@ -37,6 +39,9 @@ struct FrameConstants {
   float emitter_weight_sum;
   uint64_t punctual_lights;  // PunctualRecord
   float distant_irradiance;  // of the distant ones among them, as LightCell.irradiance
+  uint64_t lamp_shapes;      // LampShape a mesh
+  uint64_t light_memory;     // LightMemory a cell, where cells learn which lamps they see
+  uint light_note_stride;    // one of so many pixels tells
 
   // Sun and sky. `sun_to` points towards the sun.
   vec3 sun_to;
@@ -59,6 +64,8 @@ struct FrameConstants {
   uint round_surfaces;       // 1: rays leave from the surface that the vertex normals tell of [Hanika 2021]
   float least_alpha;         // of GGX lobes once a path has scattered roughly
   uint64_t ggx_albedo;       // GgxAlbedo, with kMultipleScattering
+  float ambient_radius;      // metres, with kAmbientOccluded
+  uint64_t indirect;         // IndirectSample a pixel (shared/technique.h), where not all follow their paths
 
   // Images of the bindless set, and buffers.
   uint visibility;         // rg32ui: slot | geometry << 24, primitive; primitive == kNothing where nothing was hit

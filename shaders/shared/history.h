@@ -12,6 +12,9 @@ struct MotionRecord {
 };
 HELIO_CONSTANT kNoUnit = 0xffffffffu;
 
+// Coarser images of light that the history fix of ReBLUR reads, each half of the one before.
+HELIO_CONSTANT kHistoryMips = 4u;
+
 // A view's, of one tick. Images are slots of the bindless set; 0 where the settings do not call for them.
 //
 // Radiance is stored in 16-bit floats, times `unit`: a power of two near the exposure, so that white is about 1.
@@ -49,7 +52,8 @@ struct HistoryConstants {
   uint emission;  // r32ui: packLight() of what the camera sees without a scattering
   // Two pairs of images hold light on its way: rg32ui: packLight(), diffuse and specular, over their albedos; rg16f:
   // standard deviations of their luminance. Of the first pair: this tick's samples, with 1 for a deviation, or 0 where
-  // a sample was dropped; then their mean over ticks. The second also holds, before it holds light:
+  // a sample was dropped (with kHitDistances the second of the two is packHitDistance()); then their mean over ticks.
+  // The second also holds, before it holds light:
   // - packHit() of the surface that is seen in a mirror, where `surface` says that one is;
   // - this tick's moments and numbers of samples, until they can take the place of those of the tick before.
   uint sampled;
@@ -59,6 +63,9 @@ struct HistoryConstants {
   uint filtered;  // rg32ui: packLight(), diffuse and specular: the mean over ticks that the next one goes on from
   uint moments;   // rg32ui: packHalf4() of a sample's luminance: mean and standard deviation, diffuse then specular
   uint samples;   // rg16f: in the history; diffuse, specular
+  // Of ReBLUR (shaders/reblur/reblur.glsl).
+  uint stabilised;          // rg16f: luminance of what was shown in the tick before: diffuse, specular
+  uint mips[kHistoryMips];  // rg32ui: light by lobe, this tick's mean
 };
 
 // What may be shown in the picture's place, as plain numbers.

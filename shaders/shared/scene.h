@@ -149,9 +149,18 @@ struct PunctualRecord {
 HELIO_CONSTANT kLightsPerCell = 12u;
 struct LightCell {
   uint count;
+  uint found;        // the first of them: what no shadow ray has found hidden (shared/light_lists.h)
   float irradiance;  // sum of power over squared distance
   uint slots[kLightsPerCell];
   float cdf[kLightsPerCell];
+};
+
+// What is left of a mesh's emissive triangles when they are seen as one lamp without extent, object space.
+struct LampShape {
+  vec3 centre;     // of power
+  float flatness;  // 0: shines alike to all sides, 1: as a plane does
+  vec3 normal;     // of that plane
+  vec3 colour;     // of the light, of luminance 1
 };
 
 // An emissive triangle of a mesh, chosen in proportion to its power among the mesh's.

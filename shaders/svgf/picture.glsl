@@ -29,7 +29,8 @@ void showPicture(ivec2 pixel, LobeLight light) {
   if (float(filter_.accumulated) > kMeanFrom) {
     const float share = smoothstep(log2(kMeanFrom), log2(kMeanAlone), log2(float(filter_.accumulated)));
     radiance = mix(radiance, imageLoad(images_rgba32f[filter_.mean], pixel).rgb, share);
-    const vec2 of_a_sample = unpackHalf4(imageLoad(images_rg32ui[history.moments], pixel).xy).yw;
+    // Not every denoiser knows how noisy a sample is.
+    const vec2 of_a_sample = history.moments != 0u ? unpackHalf4(imageLoad(images_rg32ui[history.moments], pixel).xy).yw : vec2(0.0);
     const vec3 of_the_mean = modulatedVariance(pixel, of_a_sample) / float(filter_.accumulated);
     variance = (1.0 - share) * (1.0 - share) * variance + share * share * of_the_mean;
   }

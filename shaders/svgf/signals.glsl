@@ -34,4 +34,12 @@ float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixel
   return alike * exp(-abs(a.depth - b.depth) / tolerance);
 }
 
+const float kAlikeNormals = 0.9;  // cosine
+
+// Whether a texel of the tick before shows the surface of a pixel, which was at `depth` then.
+bool continuesSurface(SurfaceTexel there, SurfaceTexel here, float depth, float gradient) {
+  if (there.depth == 0.0 || there.instance != here.instance || dot(there.normal, here.normal) < kAlikeNormals) return false;
+  return abs(there.depth - depth) <= 2.0 * gradient + 0.01 * depth;
+}
+
 #endif

@@ -15,7 +15,6 @@ const float kLeastShare = 0.05;         // of a new sample in the light's mean
 // Moments of few ticks tell sooner how noisy it is. Where no filter's mean returns, a single bright sample stays in the mean, and the
 // moments must know of it for as long, or no filter will take it.
 const float kLeastShareOfMoments = kAdaptive ? kLeastShare : 0.2;
-const float kAlikeNormals = 0.9;        // cosine
 const float kLeastWeight = 0.01;        // of the bilinear taps: with less, look around
 
 struct History {
@@ -29,8 +28,7 @@ struct History {
 void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight) {
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (there.depth == 0.0 || there.instance != here.instance || dot(there.normal, here.normal) < kAlikeNormals) return;
-  if (abs(there.depth - depth) > 2.0 * gradient + 0.01 * depth) return;
+  if (!continuesSurface(there, here, depth, gradient)) return;
   const uvec2 light = imageLoad(images_rg32ui[history.filtered], texel).xy;  // cannot be but numbers
   const vec4 m = unpackHalf4(imageLoad(images_rg32ui[history.moments], texel).xy);
   const vec4 samples = vec4(imageLoad(images_rg16f[history.samples], texel).xy, 0.0, 0.0);

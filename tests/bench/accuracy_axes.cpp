@@ -39,7 +39,8 @@ std::vector<Step> ladder() {
 }
 
 const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
-  using render::Culling, render::Denoiser, render::Primary, render::Sampler, render::SunShadow;
+  using render::Ambient, render::Culling, render::Denoiser, render::IndirectRate, render::Primary,
+      render::Reconstruction, render::Sampler, render::SunShadow, render::Technique;
   static const std::vector<std::pair<std::string, std::vector<Step>>> axes{
       {"spp", steps({1, 2, 4, 8}, &ViewSettings::samples)},
       {"bounces", steps({0, 1, 2, 3, 5}, &ViewSettings::bounces)},
@@ -49,7 +50,8 @@ const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
       {"denoiser",
        {view("none", [](ViewSettings&) {}), view("average", [](ViewSettings& v) { v.accumulate = true; }),
         view("svgf", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; }),
-        view("asvgf", [](ViewSettings& v) { v.denoiser = Denoiser::asvgf; })}},
+        view("asvgf", [](ViewSettings& v) { v.denoiser = Denoiser::asvgf; }),
+        view("reblur", [](ViewSettings& v) { v.denoiser = Denoiser::reblur; })}},
       {"taa",
        {view("off", [](ViewSettings&) {}), view("on", [](ViewSettings& v) { v.taa = true; }),
         view("svgf", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; }),
@@ -66,7 +68,30 @@ const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
         view("all", [](ViewSettings& v) { v.lamp_samples = 0; })}},
       {"light_lists",
        {view("off", [](ViewSettings& v) { v.light_lists = false; }),
-        view("on", [](ViewSettings& v) { v.light_lists = true; })}},
+        view("on", [](ViewSettings& v) { v.light_lists = true; }),
+        view("learned", [](ViewSettings& v) { v.light_feedback = true; }),
+        view("all_lamps", [](ViewSettings& v) { v.light_lists = false, v.lamp_samples = 0; }),
+        view("all_learned", [](ViewSettings& v) { v.light_feedback = true, v.lamp_samples = 0; })}},
+      {"mode",
+       {view("whitted", [](ViewSettings& v) { v.technique = Technique::whitted, v.ambient = Ambient::constant; }),
+        view("distributed", [](ViewSettings& v) { v.technique = Technique::distributed; }),
+        view("distributed_ambient",
+             [](ViewSettings& v) { v.technique = Technique::distributed, v.ambient = Ambient::constant; }),
+        view("path_traced", [](ViewSettings&) {})}},
+      {"rate",
+       {view("constant", [](ViewSettings& v) { v.technique = Technique::distributed, v.ambient = Ambient::constant; }),
+        view("occlusion", [](ViewSettings& v) { v.technique = Technique::distributed, v.ambient = Ambient::occluded; }),
+        view("quarter_bilateral",
+             [](ViewSettings& v) {
+               v.indirect_rate = IndirectRate::quarter, v.reconstruction = Reconstruction::bilateral;
+             }),
+        view("quarter", [](ViewSettings& v) { v.indirect_rate = IndirectRate::quarter; }),
+        view("half_bilateral",
+             [](ViewSettings& v) {
+               v.indirect_rate = IndirectRate::half, v.reconstruction = Reconstruction::bilateral;
+             }),
+        view("half", [](ViewSettings& v) { v.indirect_rate = IndirectRate::half; }),
+        view("full", [](ViewSettings&) {})}},
       {"light_sampling",
        {view("scattering", [](ViewSettings& v) { v.light_sampling = false; }),
         view("lights", [](ViewSettings& v) { v.mis = false; }), view("both", [](ViewSettings&) {})}},

@@ -31,7 +31,7 @@ class Accuracy(unittest.TestCase):
             self.assertEqual(report, json.loads(Path(folder, "accuracy.json").read_text()))
             points = report["points"]
             self.assertEqual([(p["axis"], p["name"]) for p in points],
-                             [("denoiser", n) for n in ("none", "average", "svgf", "asvgf")] + [("bounces", n) for n in "01235"])
+                             [("denoiser", n) for n in ("none", "average", "svgf", "asvgf", "reblur")] + [("bounces", n) for n in "01235"])
             for point in points:
                 self.assertLessEqual(POINT_KEYS, set(point))
                 self.assertGreater(point["relmse"], 0)
@@ -42,7 +42,8 @@ class Accuracy(unittest.TestCase):
                 self.assertAlmostEqual(point["recovery"][-1], point["relmse"], places=9)
                 self.assertEqual(len(point["ssim_along"]), 2)
                 self.assertEqual(point["ssim_along"][-1], point["ssim"])
-            none, _, svgf, asvgf = points[:4]
+            none, _, svgf, asvgf, reblur = points[:5]
+            self.assertIn("reblur_stabilise", reblur["passes"])
             self.assertIn("asvgf_gradient", asvgf["passes"])
             self.assertIsNone(report["reference_flicker"])
             self.assertEqual(none["history_bytes"], 0)

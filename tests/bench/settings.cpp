@@ -25,6 +25,13 @@ const std::map<std::string, Setter>& setters() {
                                           {"path_launches", into(&S::path_launches)},
                                           {"sun_shadow", into(&S::sun_shadow)},
                                           {"taa", into(&S::taa)},
+                                          {"technique", into(&S::technique)},
+                                          {"ambient", into(&S::ambient)},
+                                          {"ambient_radius", into(&S::ambient_radius)},
+                                          {"indirect_rate", into(&S::indirect_rate)},
+                                          {"reconstruction", into(&S::reconstruction)},
+                                          {"aperture", into(&S::aperture)},
+                                          {"focus", into(&S::focus)},
                                           {"shadow_map_size", into(&S::shadow_map_size)},
                                           {"levels_of_detail", into(&S::levels_of_detail)}};
     for (const render::LightSwitch& each : render::kLightSwitches) setters[each.name] = into(each.field);

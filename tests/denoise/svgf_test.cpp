@@ -108,10 +108,14 @@ TEST(Svgf, APictureThatStandsStillConverges) {
             5e-3);  // the test can see what filters leave
 }
 
-/// Both denoisers must bear what is done to histories.
+/// All denoisers must bear what is done to histories.
 class Histories : public testing::TestWithParam<Denoiser> {};
-INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Denoiser::asvgf),
-                         [](const auto& p) { return p.param == Denoiser::svgf ? "svgf" : "asvgf"; });
+INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Denoiser::asvgf, Denoiser::reblur),
+                         [](const auto& p) {
+                           return p.param == Denoiser::svgf    ? "svgf"
+                                  : p.param == Denoiser::asvgf ? "asvgf"
+                                                               : "reblur";
+                         });
 
 TEST_P(Histories, WhatIsBrokenInThemDoesNotSpread) {
   Stage stage(lampRoom());

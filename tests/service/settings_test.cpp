@@ -82,9 +82,51 @@ TEST(SettingsOnTheWire, HaveEveryChoiceOfTheRenderer) {
   expectOnWire<v1::Denoiser>(
       render::kDenoisers, [](S& s, v1::Denoiser value) { s.mutable_approximations()->set_denoiser(value); },
       &V::denoiser, [](const S& s) { return s.approximations().denoiser(); });
+  const auto alone = [](S& s) -> v1::Approximations& {
+    s.mutable_approximations()->set_denoiser(v1::DENOISER_NONE);
+    return *s.mutable_approximations();
+  };
+  expectOnWire<v1::Technique>(
+      render::kTechniques, [&](S& s, v1::Technique value) { alone(s).set_technique(value); }, &V::technique,
+      [](const S& s) { return s.approximations().technique(); });
+  expectOnWire<v1::Ambient>(
+      render::kAmbients,
+      [&](S& s, v1::Ambient value) {
+        alone(s).set_technique(v1::TECHNIQUE_DISTRIBUTED);
+        alone(s).set_ambient(value);
+      },
+      &V::ambient, [](const S& s) { return s.approximations().ambient(); });
+  expectOnWire<v1::IndirectRate>(
+      render::kIndirectRates, [&](S& s, v1::IndirectRate value) { alone(s).set_indirect_rate(value); },
+      &V::indirect_rate, [](const S& s) { return s.approximations().indirect_rate(); });
+  expectOnWire<v1::Reconstruction>(
+      render::kReconstructions, [&](S& s, v1::Reconstruction value) { alone(s).set_reconstruction(value); },
+      &V::reconstruction, [](const S& s) { return s.approximations().reconstruction(); });
   expectOnWire<v1::CullingView>(render::kCullingViews, &S::set_culling_view, &V::culling_view,
                                 [](const S& s) { return s.culling_view(); });
   expectOnWire<v1::Inspect>(render::kInspects, &S::set_inspect, &V::inspect, [](const S& s) { return s.inspect(); });
+}
+
+TEST(SettingsOnTheWire, HaveTheLens) {
+  v1::Settings settings;
+  settings.set_width(64);
+  settings.set_height(32);
+  settings.set_primary(v1::PRIMARY_HITS_TRACED);
+  EXPECT_EQ(service::toWire(*service::fromWire(settings, service::Limits{})).lens().focus(), 10.0f);
+  settings.mutable_lens()->set_aperture(0.25f);
+  settings.mutable_lens()->set_focus(3.0f);
+  settings.mutable_approximations()->set_ambient_radius(2.0f);
+  settings.mutable_light_transport()->set_light_feedback(true);
+  const auto taken = service::fromWire(settings, service::Limits{});
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->view.aperture, 0.25f);
+  EXPECT_EQ(taken->view.focus, 3.0f);
+  EXPECT_EQ(taken->view.ambient_radius, 2.0f);
+  EXPECT_TRUE(taken->view.light_feedback);
+  const v1::Settings in_effect = service::toWire(*taken);
+  EXPECT_EQ(in_effect.lens().aperture(), 0.25f);
+  EXPECT_EQ(in_effect.approximations().ambient_radius(), 2.0f);
+  EXPECT_TRUE(in_effect.light_transport().light_feedback());
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 
 #include "support/batches.h"
@@ -80,6 +81,109 @@ TEST(Switches, EachLampOnceFindsTheSameLight) {
 
 TEST(Switches, LampsOfTheWholeWorldFindTheSameLight) {
   expectUnbiased(places()[0], [](auto& s) { s.light_lists = false; });
+}
+
+/// As expectUnbiased(), for two settings that live views alone know.
+void expectSameLight(const Place& place, const Change& one, const Change& other) {
+  std::array<Batches, 2> batches;
+  for (size_t i = 0; i < 2; ++i) {
+    Stage stage(place.scene);
+    stage.setStep(0.0);
+    render::ViewSettings settings = referenceSettings(kWidth, 27);
+    settings.mode = render::Mode::hybrid;
+    settings.primary = render::Primary::traced;
+    settings.samples = 32;
+    settings.bounces = 3;
+    settings.roulette = false;
+    (i == 0 ? one : other)(settings);
+    batches[i] = renderBatches(stage, place.camera, settings, kBatches);
+  }
+  ASSERT_NE(batches[0], batches[1]) << place.name << ": both are the same";
+  EXPECT_GE(passing(welch(luminance(batches[0]), luminance(batches[1])), kAlpha), kTexelsThatPass) << place.name;
+  for (size_t c = 0; c < 3; ++c)
+    for (const uint32_t block : {8u, kWidth}) {
+      const std::vector<double> p =
+          welch(blocks(channel(batches[0], c), kWidth, block), blocks(channel(batches[1], c), kWidth, block));
+      EXPECT_GE(*std::min_element(p.begin(), p.end()), sidak(kAlpha, 3 * p.size()))
+          << place.name << ", channel " << c << ", blocks of " << block;
+    }
+}
+
+// Of one scattering, light is direct: then both techniques have all of it, under any sky, from any surface.
+TEST(Switches, DistributedRayTracingHasAllDirectLight) {
+  for (const Place& place : places())
+    for (const bool roulette : {false, true})
+      expectSameLight(
+          place, [](auto& s) { s.bounces = 0; },
+          [roulette](auto& s) {
+            s.bounces = 0;
+            s.technique = render::Technique::distributed;
+            s.ambient = render::Ambient::occluded;
+            s.ambient_radius = 1e6f;
+            s.roulette = roulette;
+          });
+}
+
+/// Two lamps on this side of a wall, and sixteen brighter ones behind it.
+Place dividedRoom() {
+  SceneBuilder b;
+  const uint32_t grey = b.material(lambert(glm::vec3(0.6f)));
+  b.place(b.prefab("floor", quad(12.0f), grey));
+  b.place(b.prefab("wall", quad(12.0f), grey),
+          glm::mat4x3(glm::vec3(1, 0, 0), glm::vec3(0, 0, 1), glm::vec3(0, -1, 0), glm::vec3(0, 3, -2)));
+  const uint32_t lamp = b.prefab("lamp", sphere(4), b.material(lambert(glm::vec3(0.0f), glm::vec3(6.0f))));
+  for (int i = 0; i < 16; ++i)
+    b.place(lamp, at({-3.0f + 2.0f * static_cast<float>(i % 4), 2.0f, -3.0f - 0.7f * static_cast<float>(i / 4)}, 0.3f));
+  for (const float x : {-1.5f, 1.5f}) b.place(lamp, at({x, 1.5f, 1.0f}, 0.2f));
+  return {"the divided room", b.build(), lookAt({0, 2, 6}, {0, 0.8f, 0})};
+}
+
+TEST(Switches, ListsThatLearnFindTheSameLight) {
+  for (const Place& place : {places()[0], dividedRoom()})
+    for (const uint32_t lamps : {1u, 3u, 0u})
+      expectSameLight(
+          place, [lamps](auto& s) { s.lamp_samples = lamps; },
+          [lamps](auto& s) {
+            s.lamp_samples = lamps;
+            s.light_feedback = true;
+          });
+}
+
+// ... with less noise, and fewer rays where each lamp is looked at.
+TEST(Switches, ListsThatLearnLeaveHiddenLampsOut) {
+  const Place place = dividedRoom();
+  std::array<double, 2> noise{};
+  std::array<uint64_t, 2> rays{};
+  for (const bool learns : {false, true}) {
+    Stage stage(place.scene);
+    stage.setStep(0.0);
+    render::ViewSettings settings = referenceSettings(kWidth, 27);
+    settings.mode = render::Mode::hybrid;
+    settings.primary = render::Primary::traced;
+    settings.bounces = 0;
+    settings.samples = 16;
+    settings.light_feedback = learns;
+    stage.accumulate(place.camera, settings, 4);
+    settings.accumulate = false;
+    settings.samples = 1;
+    std::vector<std::vector<float>> pictures;
+    for (int i = 0; i < 8; ++i) pictures.push_back(stage.tick(place.camera, settings).radiance);
+    for (size_t t = 0; t < pictures[0].size(); ++t) {
+      double sum = 0.0, squares = 0.0;
+      for (const auto& picture : pictures) {
+        const double value = static_cast<double>(picture[t]);
+        sum += value / 8.0;
+        squares += value * value / 8.0;
+      }
+      noise[learns] += squares - sum * sum;
+    }
+    settings.lamp_samples = 0;
+    rays[learns] = stage.tick(place.camera, settings).stats.rays.shadow;
+  }
+  std::printf("variance %.3f of what it was, shadow rays %.3f\n", noise[true] / noise[false],
+              static_cast<double>(rays[true]) / static_cast<double>(rays[false]));
+  EXPECT_LT(noise[true], 0.5 * noise[false]);
+  EXPECT_LT(2 * rays[true], rays[false]);
 }
 
 // Regularisation is biased, and so is left out of reference pictures, bit for bit; in live ones it must do something.

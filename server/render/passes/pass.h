@@ -17,8 +17,9 @@ struct ViewPass {
   Resource tlas;
   Resource instances;
   PathQueue& paths;
-  Resource hits = nullptr;     ///< what rays count into; null: they do not
-  bool any_hit_boxes = false;  ///< accel::BoxHits
+  Resource hits = nullptr;         ///< what rays count into; null: they do not
+  bool any_hit_boxes = false;      ///< accel::BoxHits
+  Resource light_lists = nullptr;  ///< what shadow rays teach; null: they do not
 };
 
 /// Groups of `size` x `size` pixels that cover the view.

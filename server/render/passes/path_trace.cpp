@@ -8,13 +8,16 @@
 static_assert(static_cast<uint32_t>(helio::render::SunShadow::rays_and_map) == helio::shared::kSunShadowRaysAndMap);
 static_assert(static_cast<uint32_t>(helio::render::SunShadow::map) == helio::shared::kSunShadowMap);
 
+static_assert(static_cast<uint32_t>(helio::render::IndirectRate::quarter) == helio::shared::kIndirectQuarter);
+
 namespace helio::render {
 namespace {
 // Their ids in path_trace.rgen and lib/effects.glsl: ids below belong to the effects.
 constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingConstant = 41,
                  kMultipleScatteringConstant = 42, kManyLampsConstant = 43, kSunShadowConstant = 44,
                  kCountHitsConstant = 45, kSplitConstant = 46, kReshadesConstant = 48, kAnyHitBoxesConstant = 49,
-                 kConstants = 50;
+                 kTechniqueConstant = 50, kAmbientConstant = 51, kLensConstant = 52, kLightFeedbackConstant = 53,
+                 kIndirectRateConstant = 54, kHitDistancesConstant = 55, kConstants = 56;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -60,7 +63,8 @@ std::string anyHit(effects::EffectSet effects) {
 }
 
 const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
-                                                  bool log_rays, bool count_hits, bool any_hit_boxes) {
+                                                  bool log_rays, bool count_hits, bool any_hit_boxes,
+                                                  bool light_feedback) {
   // What is shown takes emission's way.
   if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
   gpu::Specialisation constants = effects::specialisation(effects);
@@ -74,6 +78,12 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kCountHitsConstant] = count_hits;
   constants[kAnyHitBoxesConstant] = any_hit_boxes;
   constants[kSplitConstant] = splitsLight(settings) && !log_rays;
+  constants[kTechniqueConstant] = static_cast<uint32_t>(settings.technique);
+  constants[kAmbientConstant] = static_cast<uint32_t>(settings.ambient);
+  constants[kLensConstant] = settings.aperture > 0.0f;
+  constants[kLightFeedbackConstant] = light_feedback;
+  constants[kIndirectRateConstant] = static_cast<uint32_t>(settings.indirect_rate);
+  constants[kHitDistancesConstant] = settings.denoiser == Denoiser::reblur && !log_rays;
   constants[kReshadesConstant] = settings.denoiser == Denoiser::asvgf && !log_rays;
   {
     const std::lock_guard lock(mutex_);
@@ -122,7 +132,7 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
   const gpu::RayTracingPipeline& pipeline =
-      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes);
+      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes, pass.light_lists != nullptr);
   std::vector<Access> accesses{{pass.tlas, gpu::use::trace},
                                {pass.instances, gpu::use::ray_read},
                                {&view.constants, gpu::use::ray_read},
@@ -136,7 +146,9 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                                {&view.histories.spare, gpu::use::ray_write},
                                {&view.histories.surface(), gpu::use::ray_write},
                                {&view.histories.claims, gpu::use::ray_read},
+                               {&view.histories.indirect, gpu::use::ray_write},
                                {&view.state, gpu::use::ray_write}};
+  if (pass.light_lists) accesses.push_back({pass.light_lists, gpu::use::ray_write});
   if (pass.hits) accesses.push_back({pass.hits, gpu::use::ray_write});
   pass.graph.add("path_trace", pass.owner, std::move(accesses),
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
@@ -146,7 +158,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false, false);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false, false, false);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},

@@ -36,7 +36,7 @@ class PathTrace {
 
  private:
   const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays,
-                                         bool count_hits, bool any_hit_boxes);
+                                         bool count_hits, bool any_hit_boxes, bool light_feedback);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;

@@ -1,0 +1,101 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// A spatial stage: 8 taps of a disk on the surface's tangent plane, turned at random, whose radius follows how far the light came from
+// and how much has been gathered. Before the accumulation the samples are blurred, behind it the history is: twice, with disks that
+// are turned differently.
+#include "lib/random.glsl"
+#include "reblur/disk.glsl"
+#include "reblur/reblur.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+const uint kPreblur = 0u, kBlur = 1u, kPostblur = 2u;
+layout(constant_id = 0) const uint kStage = kBlur;
+
+const uint kTaps = 8u;
+// Pixels of a picture of 1080 rows. Smaller pictures have smaller things, and as much noise a pixel: half of the stops between.
+const float kRowsOfRadius = 1080.0;
+const float kRadius = 30.0, kPreblurRadius = 20.0, kPostblurScale = 2.0;
+const float kLeastRadius = 1.0;
+const float kLeastHitFactor = 0.1;
+
+// A tap of the disk: r uniform by area, on a spiral [Vogel 1979].
+vec2 diskTap(uint i, float turn) {
+  const float phi = float(i) * 2.39996323 + turn;
+  return sqrt((float(i) + 0.5) / float(kTaps)) * vec2(cos(phi), sin(phi));
+}
+
+// Smooth lobes are narrow: what lies beside them is another picture.
+float lobeWidth(float roughness) { return 1.0 - exp2(-50.0 * roughness * roughness); }
+
+// Of the nearest thing that the light can have come from, over the height of the view there, [0, 1].
+float hitFactor(float hit_distance, float depth) { return clamp(hit_distance / max(2.0 * frame.tangent * depth, 1e-6), kLeastHitFactor, 1.0); }
+
+// The mean of what the samples around know: one sample's distance is as noisy as its light.
+float hitFactorAround(ivec2 pixel, SurfaceTexel here, float gradient) {
+  float sum = 0.0, weights = 0.0;
+  for (int y = -1; y <= 1; ++y)
+    for (int x = -1; x <= 1; ++x) {
+      const ivec2 at = pixel + ivec2(x, y) * 2;
+      if (!inPicture(at)) continue;
+      const SurfaceTexel there = readSurface(history.surface, at);
+      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, 2.0 * length(vec2(x, y)));
+      const float d = imageLoad(images_rg16f[history.sampled_deviation], at).y;
+      sum += w * (d < 0.0 ? hitFactor(-d, here.depth) : 1.0);
+      weights += w;
+    }
+  return sum / weights;
+}
+
+// Radii of both lobes, pixels.
+vec2 radii(ivec2 pixel, float hit_factor) {
+  const float scale = sqrt(float(frame.height) / kRowsOfRadius);
+  const vec2 lobe = vec2(1.0, lobeWidth(roughnessAt(pixel)));
+  if (kStage == kPreblur) return max(kPreblurRadius * scale * hit_factor * lobe, vec2(0.0));
+  const vec2 gathered = imageLoad(images_rg16f[history.samples], pixel).xy;
+  // A mean of n samples is as smooth as n taps: the disk's area falls with it.
+  const float stage = kStage == kPostblur ? kPostblurScale : 1.0;
+  return max(kRadius * scale * stage * hit_factor * lobe * inversesqrt(1.0 + max(gathered, vec2(0.0))), kLeastRadius * lobe);
+}
+
+void main() {
+  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  if (!inPicture(pixel)) return;
+  const SurfaceTexel here = readSurface(history.surface, pixel);
+  float hit_factor = 1.0;
+  if (kStage == kPreblur) {
+    imageStore(images_rg16f[history.stabilised], pixel, vec4(imageLoad(images_rg16f[history.spare_deviation], pixel).xy, 0.0, 0.0));
+    if (here.depth > 0.0) hit_factor = hitFactorAround(pixel, here, gradientAt(pixel));
+    // What was dropped is told apart: 0.
+    const bool dropped = imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0;
+    imageStore(images_rg16f[history.spare_deviation], pixel, vec4(hit_factor, dropped ? 0.0 : 1.0, 0.0, 0.0));
+  } else {
+    hit_factor = imageLoad(images_rg16f[history.spare_deviation], pixel).x;
+  }
+  Lobes light = readLobes(filter_.source, pixel);
+  if (here.depth > 0.0) {
+    const float gradient = gradientAt(pixel);
+    const vec2 radius = radii(pixel, hit_factor);
+    const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
+    const TangentDisk disk = tangentDisk(pixel, here.normal, here.depth, here.mirrored);
+    vec2 sum = vec2(1.0);
+    // A dropped sample is no darkness.
+    if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0) sum = vec2(1e-4);
+    for (uint s = 0u; s < kSignals; ++s) light.rgb[s] *= sum[s];
+    for (uint s = 0u; s < kSignals; ++s) {
+      if (radius[s] < 0.5) continue;
+      for (uint i = 0u; i < kTaps; ++i) {
+        const vec2 tap = diskTap(i, turn + float(s));
+        const ivec2 at = ivec2(floor(diskPixel(disk, tap * radius[s])));
+        if (at == pixel || !inPicture(at)) continue;
+        const SurfaceTexel there = readSurface(history.surface, at);
+        float w = geometryWeight(here, there, gradient, distance(vec2(at), vec2(pixel))) * exp(-2.0 * dot(tap, tap));
+        if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], at).x == 0.0) w = 0.0;
+        if (w <= 0.0) continue;
+        light.rgb[s] += w * unpackLight(s == 0u ? imageLoad(images_rg32ui[filter_.source], at).x : imageLoad(images_rg32ui[filter_.source], at).y);
+        sum[s] += w;
+      }
+    }
+    for (uint s = 0u; s < kSignals; ++s) light.rgb[s] /= sum[s];
+  }
+  writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 20u + kStage).x);
+}
