@@ -39,11 +39,13 @@ void main() {
   Lobes light = readLobes(filter_.source, pixel);
   if (here.depth > 0.0 && min(ticks.x, ticks.y) < kOld) {
     const float gradient = gradientAt(pixel);
+    // As the blurs' radii: small pictures have smaller things.
+    const float levels = clamp(float(kHistoryMips) + 0.5 * log2(float(frame.height) / 1080.0), 1.0, float(kHistoryMips));
     for (uint s = 0u; s < kSignals; ++s) {
       // A mirror's picture has no wide mean.
       const float width = s == 1u ? clamp(roughnessAt(pixel) * 4.0, 0.0, 1.0) : 1.0;
       Lobes wide;
-      for (int level = int(ceil(float(kHistoryMips) * width * (1.0 - ticks[s] / kOld))) - 1; level >= 0; --level)
+      for (int level = int(ceil(levels * width * (1.0 - ticks[s] / kOld))) - 1; level >= 0; --level)
         if (fromLevel(pixel, here, gradient, uint(level), wide)) {
           light.rgb[s] = wide.rgb[s];
           break;

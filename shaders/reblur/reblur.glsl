@@ -26,6 +26,15 @@ vec2 luminances(Lobes l) { return vec2(luminance(l.rgb[0]), luminance(l.rgb[1]))
 float roughnessAt(ivec2 pixel) { return roughnessOf(imageLoad(images_rg32ui[history.albedos], pixel).xy); }
 float gradientAt(ivec2 pixel) { return imageLoad(images_rgba16f[history.motion], pixel).w; }
 
+// How alike two surfaces are for a lobe, `pixels` apart: `sharpness` is the power of the cosine between the normals.
+float lobeLikeness(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels, float sharpness) {
+  if (b.depth == 0.0 || a.mirrored != b.mirrored) return 0.0;
+  const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * a.depth;
+  return pow(max(dot(a.normal, b.normal), 0.0), sharpness) * exp(-abs(a.depth - b.depth) / tolerance);
+}
+// Diffuse light changes slowly with the normal; a GGX lobe of alpha a is about as wide as a cosine to the power of 2 / a^2.
+vec2 lobeSharpness(float roughness) { return vec2(16.0, clamp(2.0 / max(pow(roughness, 4.0), 1e-4), 16.0, 256.0)); }
+
 // The pixel whose surface a texel of a coarser image stands for; `stride`: pixels along a texel's side.
 ivec2 middleOf(ivec2 texel, int stride) { return min(texel * stride + stride / 2, ivec2(frame.width, frame.height) - 1); }
 

@@ -11,6 +11,7 @@ const float kLeastWeight = 0.01;  // of the bilinear taps: with less, look aroun
 // The window whose samples judge the history, and by how many deviations of their mean it may be off.
 const int kWindow = 2, kWindowStride = 2;
 const float kDeviations = 3.0;
+const float kEnough = 6.0;  // of them, to judge at all
 
 struct History {
   Lobes light;
@@ -55,22 +56,23 @@ float mostSpecularTicks(ivec2 pixel, SurfaceTexel here) {
   return mix(history.most_samples, followed, clamp(moved * 100.0, 0.0, 1.0));
 }
 
-// What the blurred samples around say: mean and deviation of the luminance, as far as the surface is the same.
-void judge(ivec2 pixel, SurfaceTexel here, float gradient, out vec2 mean, out vec2 reach) {
+// What the blurred samples around say of the instance: mean of the luminance, and how far off a history may be.
+void judge(ivec2 pixel, SurfaceTexel here, out vec2 mean, out vec2 reach) {
   vec2 first = vec2(0.0), second = vec2(0.0);
   float sum = 0.0;
   for (int y = -kWindow; y <= kWindow; ++y)
     for (int x = -kWindow; x <= kWindow; ++x) {
       const ivec2 at = pixel + ivec2(x, y) * kWindowStride;
       if (!inPicture(at)) continue;
-      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, readSurface(history.surface, at), gradient, length(vec2(x, y)) * float(kWindowStride));
+      const SurfaceTexel there = readSurface(history.surface, at);
+      if (there.depth == 0.0 || there.instance != here.instance || there.mirrored != here.mirrored) continue;
       const vec2 l = luminances(readLobes(filter_.source, at));
-      first += w * l;
-      second += w * l * l;
-      sum += w;
+      first += l;
+      second += l * l;
+      sum += 1.0;
     }
   mean = first / sum;
-  reach = kDeviations * sqrt(max(second / sum - mean * mean, vec2(0.0)));
+  reach = sum < kEnough ? vec2(kMostStored) : kDeviations * sqrt(max(second / sum - mean * mean, vec2(0.0)));
 }
 
 void main() {
@@ -86,7 +88,7 @@ void main() {
     ticks = vec2(1.0);
     if (before.weight > 0.0) {
       vec2 mean, reach;
-      judge(pixel, here, motion.w, mean, reach);
+      judge(pixel, here, mean, reach);
       const vec2 most = vec2(history.most_samples, mostSpecularTicks(pixel, here));
       for (uint s = 0u; s < kSignals; ++s) {
         const vec3 known = before.light.rgb[s] * (history.rescale / before.weight);
