@@ -250,6 +250,10 @@ Outcome<render::Goal> goalOf(const v1::Settings& message, const render::ViewSett
   if (auto ok = render::check(goal); !ok) return inside("settings.goal", ok.error());
   if (view.mode != render::Mode::hybrid)
     return outOfRange("settings.goal", "with mode reference", "goals of mode hybrid");
+  // The ladder's rungs change samples and denoiser, which not every technique bears, and its prices are path tracing's.
+  if (view.technique != render::Technique::path_traced || view.indirect_rate != render::IndirectRate::full)
+    return outOfRange("settings.goal", "with a technique or an indirect rate of its own",
+                      "goals with technique path_traced and indirect_rate full");
   return goal;
 }
 

@@ -129,5 +129,18 @@ TEST(SettingsOnTheWire, HaveTheLens) {
   EXPECT_TRUE(in_effect.light_transport().light_feedback());
 }
 
+TEST(SettingsOnTheWire, GoalsAreReachedByPathTracing) {
+  v1::Settings settings;
+  settings.set_width(64);
+  settings.set_height(32);
+  settings.mutable_goal()->set_max_frame_ms(20.0f);
+  EXPECT_TRUE(service::fromWire(settings, service::Limits{}));
+  settings.mutable_approximations()->set_technique(v1::TECHNIQUE_WHITTED);
+  EXPECT_FALSE(service::fromWire(settings, service::Limits{}));
+  settings.mutable_approximations()->set_technique(v1::TECHNIQUE_PATH_TRACED);
+  settings.mutable_approximations()->set_indirect_rate(v1::INDIRECT_RATE_HALF);
+  EXPECT_FALSE(service::fromWire(settings, service::Limits{}));
+}
+
 }  // namespace
 }  // namespace helio::test
