@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "access/key_folder.h"
+#include "access/private_file.h"
 
 namespace helio::daemon {
 namespace {
@@ -20,9 +21,19 @@ std::vector<std::string> hostsOf(std::vector<std::string> hosts) {
   return hosts;
 }
 
-/// Where clients find the server: the first host that was named, at the port that it listens on.
-std::string addressFor(const Configuration& configuration, const InitOptions& options) {
-  const std::string host = options.hosts.empty() ? "127.0.0.1" : options.hosts.front();
+/// Where clients find the server: the first host that was named, now or for the certificate, at the port that it
+/// listens on.
+Result<std::string> addressFor(const Configuration& configuration, const InitOptions& options,
+                               const access::KeyFolder& folder) {
+  std::vector<std::string> hosts = options.hosts;
+  if (hosts.empty()) {
+    const auto pem = access::readFile(folder.certificate());
+    if (!pem) return pem.error();
+    auto certificate = access::inspectCertificate(*pem);
+    if (!certificate) return certificate.error();
+    hosts = std::move(certificate->hosts);
+  }
+  const std::string host = hosts.empty() ? "localhost" : hosts.front();
   const std::string& listen = configuration.server.address;
   const std::string port = listen.substr(listen.rfind(':') + 1);
   return (host.find(':') == std::string::npos ? host : "[" + host + "]") + ":" + port;
@@ -42,10 +53,11 @@ Result<std::string> initialise(const Configuration& configuration, const InitOpt
   }
   const auto fingerprint = folder.fingerprint();
   if (!fingerprint) return fingerprint.error();
+  const auto address = addressFor(configuration, options, folder);
+  if (!address) return address.error();
   const auto token = folder.tokens().create({"admin", access::Scope::admin, {}, 0});
   if (!token) return token.error();
-  return fmt::format("helio login {} --ca-sha256 {} --token {}", addressFor(configuration, options), *fingerprint,
-                     token->text);
+  return fmt::format("helio login {} --ca-sha256 {} --token {}", *address, *fingerprint, token->text);
 }
 
 }  // namespace helio::daemon
