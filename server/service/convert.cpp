@@ -445,6 +445,7 @@ v1::AccelerationUse toWire(const render::AccelerationUse& use, const std::option
   v1::AccelerationUse out;
   out.set_own_blases(use.own_blases);
   out.set_own_blases_waiting(use.own_blases_waiting);
+  out.set_shared_blases_waiting(use.shared_blases_waiting);
   out.set_blases_built(use.blases_built);
   out.set_blases_refitted(use.blases_refitted);
   out.set_blas_triangles(use.blas_triangles);
