@@ -83,8 +83,7 @@ double total(const std::vector<double>& picture) {
 }
 
 TEST(Rate, KeepsTheLightAndMuchOfItsDetail) {
-  for (const auto& [name, scene] :
-       {std::pair{"lamp room", lampRoom()}, std::pair{"sunlit patch", sunlitPatch()}}) {
+  for (const auto& [name, scene] : {std::pair{"lamp room", lampRoom()}, std::pair{"sunlit patch", sunlitPatch()}}) {
     constexpr int kTicks = 64;
     double raw = 0.0;
     const std::vector<double> expected = meanPicture(scene, live(Denoiser::none), kTicks, &raw);

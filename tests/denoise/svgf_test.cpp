@@ -112,9 +112,7 @@ TEST(Svgf, APictureThatStandsStillConverges) {
 class Histories : public testing::TestWithParam<Denoiser> {};
 INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Denoiser::asvgf, Denoiser::reblur),
                          [](const auto& p) {
-                           return p.param == Denoiser::svgf    ? "svgf"
-                                  : p.param == Denoiser::asvgf ? "asvgf"
-                                                               : "reblur";
+                           return p.param == Denoiser::svgf ? "svgf" : p.param == Denoiser::asvgf ? "asvgf" : "reblur";
                          });
 
 TEST_P(Histories, WhatIsBrokenInThemDoesNotSpread) {
