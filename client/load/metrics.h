@@ -17,7 +17,9 @@ enum Series : size_t {
   kFrameInterval,  ///< between two frames shown
   kMotionToPhoton,
   kJump,  ///< from a jump's intended time until a frame is shown that has its camera and every edit acknowledged before
-  kEdit,  ///< from the intended time to the acknowledgement
+  kJumpComplete,   ///< ... until the first such frame that lacks nothing: its telemetry says that no BLAS waits for a
+                   ///< tick
+  kEdit,           ///< from the intended time to the acknowledgement
   kEditToPicture,  ///< from the intended time to the first frame shown that has it
   kGpu,
   kCameraWait,
@@ -29,21 +31,11 @@ enum Series : size_t {
   kSeriesCount
 };
 
-constexpr std::array<const char*, kSeriesCount> kSeriesNames = {"attach_ms",
-                                                                "first_frame_ms",
-                                                                "reattach_ms",
-                                                                "frame_interval_ms",
-                                                                "motion_to_photon_ms",
-                                                                "jump_ms",
-                                                                "edit_ms",
-                                                                "edit_to_picture_ms",
-                                                                "gpu_ms",
-                                                                "camera_wait_ms",
-                                                                "tick_ms",
-                                                                "mailbox_ms",
-                                                                "encode_ms",
-                                                                "queue_ms",
-                                                                "previous_write_ms"};
+constexpr std::array<const char*, kSeriesCount> kSeriesNames = {
+    "attach_ms",           "first_frame_ms", "reattach_ms",      "frame_interval_ms",
+    "motion_to_photon_ms", "jump_ms",        "jump_complete_ms", "edit_ms",
+    "edit_to_picture_ms",  "gpu_ms",         "camera_wait_ms",   "tick_ms",
+    "mailbox_ms",          "encode_ms",      "queue_ms",         "previous_write_ms"};
 
 /// The stages of a frame on the server, in order.
 constexpr std::array<Series, 6> kStages = {kCameraWait, kTick, kMailbox, kEncode, kQueue, kPreviousWrite};

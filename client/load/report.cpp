@@ -150,11 +150,12 @@ Json runJson(const Scenario& scenario, const RunResult& run) {
   const auto intervals = valuesOf(scenario, run, "frame_interval_ms", "");
   const double usual = statistic(intervals, "p50").value_or(0);
   out["plots"] = {{"timeline", timelineOf(run)},
-                  {"jumps", dotsOf(run, kJump, 0)},
+                  {"jumps", dotsOf(run, kJumpComplete, 0)},
                   {"edits", dotsOf(run, kEditToPicture, 0)},
                   {"spikes", dotsOf(run, kFrameInterval, kSpike * usual)},
                   {"percentiles", Json::object()}};
-  for (const Series series : {kFrameInterval, kMotionToPhoton, kJump, kEdit, kEditToPicture, kFirstFrame})
+  for (const Series series :
+       {kFrameInterval, kMotionToPhoton, kJump, kJumpComplete, kEdit, kEditToPicture, kFirstFrame})
     if (const auto values = valuesOf(scenario, run, kSeriesNames[series], ""); !values.empty())
       out["plots"]["percentiles"][kSeriesNames[series]] = percentilesOf(values);
   return out;

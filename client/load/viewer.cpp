@@ -10,6 +10,11 @@ namespace {
 
 constexpr size_t kSeqsKept = 4096;  // an acknowledgement is not that much later than the picture
 
+bool lacksNothing(const v1::AccelerationUse& use) {
+  return use.own_blases_waiting() == 0 && use.shared_blases_waiting() == 0 && use.culling().left_over() == 0 &&
+         use.culling().unshown() == 0;
+}
+
 }  // namespace
 
 Result<void> Viewer::attach(client::Connection& connection, const client::View& view, Clock::time_point intended,
@@ -82,7 +87,7 @@ void Viewer::jump(const client::View& view, Clock::time_point intended) {
   {
     const std::lock_guard lock(mutex_);
     noteCamera(view, intended);
-    jumped_.push_back({last_camera_, newest_seq_, intended});
+    jumped_.push_back({last_camera_, newest_seq_, intended, false});
   }
   send(view, true);
 }
@@ -156,17 +161,26 @@ void Viewer::shown(const v1::Frame& frame, Clock::time_point now) {
     looked_.pop_front();
   }
   positions_.erase(positions_.begin(), positions_.lower_bound(frame.camera_id()));
-  while (!jumped_.empty() && jumped_.front().camera <= frame.camera_id() &&
-         jumped_.front().seq <= frame.applied_seq()) {
-    record_.add(kJump, now, since(jumped_.front().intended));
-    jumped_.pop_front();
-  }
+  noteJumps(frame, now);
   while (!edited_.empty() && edited_.begin()->first <= frame.applied_seq()) {
     record_.add(kEditToPicture, now, since(edited_.begin()->second));
     edited_.erase(edited_.begin());
   }
   if (applied_.empty() || applied_.back().first < frame.applied_seq()) applied_.emplace_back(frame.applied_seq(), now);
   if (applied_.size() > kSeqsKept) applied_.pop_front();
+}
+
+void Viewer::noteJumps(const v1::Frame& frame, Clock::time_point now) {
+  const bool complete = lacksNothing(frame.telemetry().acceleration());
+  const auto later = std::find_if(jumped_.begin(), jumped_.end(), [&](const Jumped& jump) {
+    return jump.camera > frame.camera_id() || jump.seq > frame.applied_seq();
+  });
+  for (auto jump = jumped_.begin(); jump != later; ++jump) {
+    const double ms = secondsBetween(jump->intended, now) * 1000;
+    if (!std::exchange(jump->shown, true)) record_.add(kJump, now, ms);
+    if (complete) record_.add(kJumpComplete, now, ms);
+  }
+  if (complete) jumped_.erase(jumped_.begin(), later);
 }
 
 void Viewer::noteStages(const v1::Frame& frame, Clock::time_point now) {

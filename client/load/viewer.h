@@ -43,7 +43,7 @@ class Viewer {
   void cancel();
 
   void look(const client::View& view, bool cut, Clock::time_point intended);
-  /// As look(), and waits in the record for the first frame that is complete.
+  /// As look(), and waits in the record for the first frame that shows it, and for the first that is complete.
   void jump(const client::View& view, Clock::time_point intended);
   /// An edit was acknowledged: waits for the first frame that shows it.
   void edited(uint64_t seq, Clock::time_point intended);
@@ -57,12 +57,14 @@ class Viewer {
   struct Jumped {
     uint64_t camera, seq;
     Clock::time_point intended;
+    bool shown = false;  ///< but not complete
   };
 
   void noteCamera(const client::View& view, Clock::time_point intended);  ///< with mutex_ held
   void send(const client::View& view, bool cut);
   void read();
   void shown(const v1::Frame& frame, Clock::time_point now);
+  void noteJumps(const v1::Frame& frame, Clock::time_point now);  ///< with mutex_ held
   void noteStages(const v1::Frame& frame, Clock::time_point now);
   void check(const v1::Frame& frame);
 
@@ -80,7 +82,7 @@ class Viewer {
   uint64_t last_camera_ = 0;
   std::deque<Looked> looked_;  ///< cameras that no frame has shown
   std::map<uint64_t, glm::vec3> positions_;
-  std::deque<Jumped> jumped_;
+  std::deque<Jumped> jumped_;                                   ///< that no complete frame has shown
   std::map<uint64_t, Clock::time_point> edited_;                ///< by sequence number
   std::deque<std::pair<uint64_t, Clock::time_point>> applied_;  ///< when each sequence number was first shown
   uint64_t newest_seq_ = 0;                                     ///< acknowledged to this client

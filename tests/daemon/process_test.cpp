@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -125,6 +126,8 @@ TEST_F(ProcessTest, TheFirstHourWithKeys) {
   EXPECT_EQ(init.out.rfind("helio login heliograph.example:7700 --ca-sha256 ", 0), 0u) << init.out;
   EXPECT_EQ(std::count(init.out.begin(), init.out.end(), '\n'), 1);
   EXPECT_NE(run({HELIOGRAPHD, "init", "--keys", keys()}).status, 0) << "keys were made twice";
+  const auto second = run({HELIOGRAPHD, "init", "--keys", keys(), "--new-token"});
+  EXPECT_EQ(second.out.rfind("helio login heliograph.example:7700 --ca-sha256 ", 0), 0u) << second.out;
   serve({"--keys", keys()});
 
   // Nobody comes in without the line.
@@ -310,6 +313,26 @@ TEST_F(ProcessTest, NothingListensButWhatWasAskedFor) {
   EXPECT_EQ(listeningOf(server_),
             (std::set<std::string>{kLoopback + hexadecimalPort(address_), kLoopback + hexadecimalPort(ops)}));
   EXPECT_EQ(end(), 0);
+}
+
+/// By what --help says: a flag that is added without its variable is found.
+TEST_F(ProcessTest, EveryFlagHasItsVariable) {
+  int flags = 0;
+  for (const std::string command : {"", "init", "doctor"}) {
+    const auto help = command.empty() ? run({HELIOGRAPHD, "--help"}) : run({HELIOGRAPHD, command, "--help"});
+    ASSERT_EQ(help.status, 0) << help.err;
+    std::istringstream lines(help.out);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind("  --", 0) != 0) continue;
+      const std::string name = line.substr(4, line.find_first_of(" =", 4) - 4);
+      if (name == "version" || name == "config") continue;  // CLI11 tells of HELIOGRAPH_CONFIG in words
+      std::string variable = "HELIOGRAPH_" + name;
+      for (char& c : variable) c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+      EXPECT_THAT(line, HasSubstr("(Env:" + variable + ")"));
+      ++flags;
+    }
+  }
+  EXPECT_GE(flags, 40);
 }
 
 TEST_F(ProcessTest, AViewerGoesOnWhenTheServerHasRestarted) {
