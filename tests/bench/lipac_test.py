@@ -79,7 +79,12 @@ class Lipac(unittest.TestCase):
         for name, run in runs.items():
             self.assertGreater(run["path_trace_ms"], 0, name)
             self.assertEqual(run["shadow_ms"] > 0, "S" in name, name)
-            self.assertEqual(run["relative_mse"] > 0, "L" in name, name)
+            if "L" in name:
+                self.assertLess(run["rt_memory_bytes"], runs["none"]["rt_memory_bytes"], name)
+            else:
+                self.assertEqual(run["relative_mse"], 0, name)
+        # So few instances leave little to miss: some path of some combination does.
+        self.assertGreater(max(run["relative_mse"] for run in runs.values()), 0)
 
     def test_fly(self):
         report = bench("fly", "--warmup", "4", "--frames", "12")

@@ -24,6 +24,7 @@ render::ViewSettings liveSettings() {
   return settings;
 }
 
+/// The stage has had a tick: the first one's changes are the scene, and this takes what there is since.
 std::unique_ptr<ReferencePicture> freeze(Stage& stage, const scene::ScenePtr& scene, uint32_t bounces) {
   world::ChangeSet whole;
   (void)stage.world().beginTick(0.0, &whole);  // the stage's next tick misses nothing: there were no edits
@@ -78,6 +79,7 @@ TEST(Reference, AConvergedLivePictureIsAsFarFromItAsNoiseIs) {
   // Without approximations the live picture has no bias: all of its error is noise, its own and the reference's.
   const scene::ScenePtr scene = lampRoom();
   Stage stage(scene);
+  stage.tick(kCamera, liveSettings());
   const auto reference = freeze(stage, scene, 3);
   constexpr uint32_t kSamples = 256;
   growTo(*reference, kSamples / 2);
