@@ -14,18 +14,21 @@ function(helio_library name)
   helio_warnings(helio_${name})
 endfunction()
 
-# helio_test(scene DEPENDS helio_scene ... [GPU]): the GoogleTest program of the present folder's *.cpp.
-# GPU tests run one at a time: they share the device and two cores.
+# helio_test(scene DEPENDS helio_scene ... [GPU] [COST 200]): the GoogleTest program of the present folder's *.cpp.
+# COST seconds, roughly, on two cores: ctest begins with the longest.
 function(helio_test name)
-  cmake_parse_arguments(arg "GPU" "" "DEPENDS" ${ARGN})
+  cmake_parse_arguments(arg "GPU" "COST" "DEPENDS" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   add_executable(test_${name} ${sources})
   target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} GTest::gtest GTest::gmock GTest::gtest_main)
   helio_warnings(test_${name})
   add_test(NAME ${name} COMMAND test_${name} WORKING_DIRECTORY ${CMAKE_SOURCE_DIR})
-  set_tests_properties(${name} PROPERTIES TIMEOUT 900)
+  set_tests_properties(${name} PROPERTIES TIMEOUT 1800)
+  if(arg_COST)
+    set_tests_properties(${name} PROPERTIES COST ${arg_COST})
+  endif()
   if(arg_GPU)
-    set_tests_properties(${name} PROPERTIES RESOURCE_LOCK gpu LABELS gpu)
+    set_tests_properties(${name} PROPERTIES LABELS gpu)
     set_property(GLOBAL APPEND PROPERTY HELIOGRAPH_GPU_TESTS test_${name})   # they go into the bundle
   endif()
 endfunction()

@@ -45,13 +45,14 @@ LipacGrid gridOf(const scene::Scene& scene) {
     low = i == 0 ? at : glm::min(low, at);
     high = i == 0 ? at : glm::max(high, at);
   }
-  const double side = std::max(high.x - low.x, high.y - low.y) + 2.0 * kMargin;
+  constexpr double kBlock = shared::kCellMetres << shared::kBlockBits;  // metres
+  const auto blocks = [](double extent) {
+    return static_cast<uint32_t>(std::min(std::ceil((extent + 2.0 * kMargin) / kBlock), 1.0 * shared::kGridBlocksMost));
+  };
   LipacGrid grid;
-  grid.bits = 5;
-  while (grid.bits < shared::kGridBitsMost && std::ldexp(shared::kCellMetres, static_cast<int>(grid.bits)) < side)
-    ++grid.bits;
-  const glm::dvec2 corner =
-      0.5 * (low + high) - 0.5 * std::ldexp(static_cast<double>(shared::kCellMetres), static_cast<int>(grid.bits));
+  grid.blocks_x = blocks(high.x - low.x);
+  grid.blocks_z = blocks(high.y - low.y);
+  const glm::dvec2 corner = 0.5 * (low + high) - 0.5 * kBlock * glm::dvec2(grid.blocks_x, grid.blocks_z);
   grid.x = static_cast<int32_t>(std::floor(corner.x / shared::kCellMetres));
   grid.z = static_cast<int32_t>(std::floor(corner.y / shared::kCellMetres));
   return grid;
@@ -325,7 +326,8 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.mitigation = settings_.mitigation;
   tick_.grid_x = grid_.x;
   tick_.grid_z = grid_.z;
-  tick_.grid_bits = grid_.bits;
+  tick_.grid_blocks_x = grid_.blocks_x;
+  tick_.grid_blocks_z = grid_.blocks_z;
   tick_.count = world.count;
   tick_.command_capacity = command_capacity_;
   tick_.patch_count = static_cast<uint32_t>(patches_.size());

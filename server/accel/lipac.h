@@ -27,11 +27,11 @@ struct LipacWorld {
   bool rests = false;  ///< neither viewers nor what they see moves: nothing tells that bounds fit better now
 };
 
-/// A square of cells in the ground plane, a power of two wide.
+/// A rectangle of cells in the ground plane, in blocks of 32 x 32.
 struct LipacGrid {
   int32_t x = 0, z = 0;  ///< the first cell
-  uint32_t bits = 0;
-  uint32_t cells() const { return 1u << 2 * bits; }
+  uint32_t blocks_x = 0, blocks_z = 0;
+  uint32_t cells() const { return blocks_x * blocks_z << 2 * shared::kBlockBits; }
 };
 /// Covers the scene's placements with a margin for what users build; at most 1024 x 1024 cells around its middle.
 LipacGrid gridOf(const scene::Scene& scene);

@@ -6,7 +6,7 @@ namespace helio::accel {
 namespace {
 
 constexpr uint64_t kVertexChunk = 1u << 20, kStructureChunk = 2u << 20;  // bytes
-constexpr uint64_t kStructureAlignment = 256;                            // what Vulkan asks for
+constexpr uint64_t kVertexAlignment = 16, kStructureAlignment = 256;     // the latter is what Vulkan asks for
 constexpr uint32_t kMostRows = 65'535;                                   // groups along y of one dispatch
 
 }  // namespace
@@ -87,13 +87,19 @@ void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceT
       enter();
       continue;
     }
+    bool placed = false;
     if (!structure.storage) {
-      structure.vertices = vertices_pool_.allocate(uint64_t{shape.vertex_count} * sizeof(glm::vec3), 16);
+      structure.vertices = vertices_pool_.allocate(uint64_t{shape.vertex_count} * sizeof(glm::vec3), kVertexAlignment);
       structure.storage = structures_pool_.allocate(shape.sizes.structure, kStructureAlignment);
+      held_.push_back(unit);
+      placed = true;
+    } else if (in_turn) {  // what is written anew may as well move: chunks where many were and few are come back
+      (void)vertices_pool_.moveForward(structure.vertices, kVertexAlignment);
+      placed = structures_pool_.moveForward(structure.storage, kStructureAlignment);
+    }
+    if (placed)
       structure.blas = gpu::AccelerationStructure(device_, "the BLAS of a unit",
                                                   VK_ACCELERATION_STRUCTURE_TYPE_BOTTOM_LEVEL_KHR, structure.storage);
-      held_.push_back(unit);
-    }
     const bool refit = !build && !in_turn;
     deform_jobs_.push_back({mesh.rest, structure.vertices.address, units.units()[unit].slot, shape.vertex_count});
     gpu::BlasUpdate update{structure.blas.handle(), shape.geometries, gpu::BlasKind::moving, refit};

@@ -9,10 +9,10 @@ namespace helio::accel {
 namespace {
 static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInstanceKHR));
 
-/// Buckets are 1/4 of a power of two apart.
+/// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
   uint32_t step = 64;
-  while (step * 8 < count) step *= 2;
+  while (step * 16 < count) step *= 2;
   return std::max(step, (count + step - 1) / step * step);
 }
 }  // namespace
@@ -55,8 +55,8 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
-  const uint32_t capacity = bucketAbove(count + count / 4);
-  if (count <= capacity_ && 2 * capacity_ <= 3 * capacity) return;
+  const uint32_t capacity = bucketAbove(count + count / 8);
+  if (count <= capacity_ && 3 * capacity_ <= 4 * capacity) return;
   gpu::Buffer instances(
       device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
                 gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});

@@ -15,7 +15,7 @@ class TlasAssembly {
   TlasAssembly(gpu::Device& device, gpu::Commands& commands, const scene::Scene& scene);
 
   /// Chooses the blocks of the order that the strategy does not rule out, and sizes the instance buffer for them: the
-  /// next bucket above 1.25 times their instances, so that the build count changes seldom; what lies behind is null.
+  /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
   /// The same for so many entries, which somebody else writes to output().
   void reserve(gpu::Commands& commands, uint32_t count);

@@ -29,6 +29,13 @@ bool RangePool::allocateFrom(uint32_t index, uint64_t size, uint64_t alignment, 
   return true;
 }
 
+/// Doubles with what is held, so that at most about a quarter of a pool is its last chunk.
+uint64_t RangePool::nextChunkBytes() const {
+  uint64_t bytes = description_.size / 16;
+  while (bytes < description_.size && 8 * bytes < bytesHeld()) bytes *= 2;
+  return bytes;
+}
+
 Range RangePool::allocate(uint64_t size, uint64_t alignment) {
   Range range;
   for (uint32_t i = 0; i < chunks_.size(); ++i)
@@ -36,7 +43,7 @@ Range RangePool::allocate(uint64_t size, uint64_t alignment) {
 
   Chunk chunk;
   BufferDescription description = description_;
-  description.size = std::max(description.size, size);
+  description.size = std::max(nextChunkBytes(), size);
   chunk.buffer = Buffer(device_, description);
   VmaVirtualBlockCreateInfo info{};
   info.size = description.size;
@@ -59,6 +66,16 @@ void RangePool::free(Range& range) {
   if (--chunk.ranges > 0) return;
   vmaDestroyVirtualBlock(chunk.block);
   chunk = {};
+}
+
+bool RangePool::moveForward(Range& range, uint64_t alignment) {
+  if (bytesHeld() - used_ < range.size) return false;
+  Range earlier;
+  for (uint32_t i = 0; i < range.chunk && !earlier; ++i) (void)allocateFrom(i, range.size, alignment, earlier);
+  if (!earlier) return false;
+  free(range);
+  range = earlier;
+  return true;
 }
 
 uint64_t RangePool::bytesHeld() const {

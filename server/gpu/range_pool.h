@@ -25,7 +25,8 @@ struct Range {
 /// submitted work uses it. Not thread-safe.
 class RangePool {
  public:
-  /// `chunk.size`: bytes of a chunk; what is larger gets one of its own.
+  /// `chunk.size`: bytes of the largest chunk; the first ones are a sixteenth of it, so that a pool of few ranges is
+  /// small. A range that is larger gets a chunk of its own.
   RangePool(Device& device, BufferDescription chunk) : device_(device), description_(std::move(chunk)) {}
   ~RangePool();
   RangePool(const RangePool&) = delete;
@@ -34,6 +35,9 @@ class RangePool {
   /// `alignment`: a power of two, at most 256. Throws Failure when memory runs out.
   Range allocate(uint64_t size, uint64_t alignment);
   void free(Range& range);
+  /// Moves a range, without what it holds, to an earlier chunk where one has room: pools that shrank give chunks back
+  /// when their owners call this now and then. False: it stays.
+  bool moveForward(Range& range, uint64_t alignment);
 
   uint64_t bytesHeld() const;  ///< of all chunks
   uint64_t bytesUsed() const { return used_; }
@@ -44,6 +48,7 @@ class RangePool {
     VmaVirtualBlock block = VK_NULL_HANDLE;
     uint64_t ranges = 0;
   };
+  uint64_t nextChunkBytes() const;
   bool allocateFrom(uint32_t chunk, uint64_t size, uint64_t alignment, Range& range);
 
   Device& device_;

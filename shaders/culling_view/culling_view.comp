@@ -30,12 +30,13 @@ vec3 ofHitbox(uint word) {
                         : mix(vec3(0.02, 0.03, 0.08), vec3(0.1, 0.35, 1.0), heat(word));
 }
 
-// The grid's square, north up, as high as the picture; the viewer as a white dot.
+// The grid, north up, as high as the picture; the viewer as a white dot.
 vec3 fromAbove(uvec2 pixel) {
-  const float side = float(kCellMetres << lipac.grid_bits), scale = side / float(frame.height);
+  const vec2 sides = vec2(lipac.grid_blocks_x, lipac.grid_blocks_z) * float(kCellMetres << kBlockBits);
   const vec2 corner = vec2(lipac.grid_x, lipac.grid_z) * float(kCellMetres);
-  const vec2 across = vec2(pixel) + 0.5 - vec2(0.5 * (float(frame.width) - float(frame.height)), 0.0);
-  const vec2 place = corner + across * scale;
+  const vec2 size = vec2(frame.width, frame.height);
+  const float scale = max(sides.x / size.x, sides.y / size.y);
+  const vec2 place = corner + 0.5 * sides + (vec2(pixel) + 0.5 - 0.5 * size) * scale;
   if (distance(place, frame.position.xz) < 3.0 * scale) return vec3(1.0);
   const uint cell = cellAt(vec3(place.x, 0.0, place.y));
   if (cell == kNoCell) return kDark;

@@ -18,7 +18,7 @@ layout(push_constant, scalar) uniform Push { LipacPush push; };
 #include "lib/lipac_grid.glsl"
 
 uint slotAt(uint entry) { return OrderTable(lipac.order).items[entry]; }
-uint cellCount() { return 1u << 2u * lipac.grid_bits; }
+uint cellCount() { return lipac.grid_blocks_x * lipac.grid_blocks_z << 2u * kBlockBits; }
 
 // ---- Floats whose order is that of integers, for atomicMin and atomicMax ----
 

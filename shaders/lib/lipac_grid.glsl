@@ -18,13 +18,17 @@ uint gatherBits(uint x) {
 // kNoCell: outside.
 uint cellAt(vec3 position) {
   const vec2 cell = floor(position.xz / float(kCellMetres)) - vec2(lipac.grid_x, lipac.grid_z);
-  const float side = float(1u << lipac.grid_bits);
-  if (any(lessThan(cell, vec2(0.0))) || any(greaterThanEqual(cell, vec2(side)))) return kNoCell;
-  return spreadBits(uint(cell.x)) | spreadBits(uint(cell.y)) << 1;
+  const vec2 sides = vec2(lipac.grid_blocks_x << kBlockBits, lipac.grid_blocks_z << kBlockBits);
+  if (any(lessThan(cell, vec2(0.0))) || any(greaterThanEqual(cell, sides))) return kNoCell;
+  const uvec2 at = uvec2(cell), block = at >> kBlockBits, within = at & ((1u << kBlockBits) - 1u);
+  return (block.y * lipac.grid_blocks_x + block.x) << 2u * kBlockBits | spreadBits(within.x) | spreadBits(within.y) << 1;
 }
 // Its corner with the lowest x and z.
 vec2 cellCorner(uint cell) {
-  return vec2(int(gatherBits(cell)) + lipac.grid_x, int(gatherBits(cell >> 1)) + lipac.grid_z) * float(kCellMetres);
+  const uint block = cell >> 2u * kBlockBits, within = cell & ((1u << 2u * kBlockBits) - 1u);
+  const uvec2 at = uvec2(block % lipac.grid_blocks_x, block / lipac.grid_blocks_x) << kBlockBits;
+  return vec2(ivec2(at) + ivec2(gatherBits(within), gatherBits(within >> 1)) + ivec2(lipac.grid_x, lipac.grid_z)) *
+         float(kCellMetres);
 }
 
 #endif

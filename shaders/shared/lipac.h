@@ -38,9 +38,10 @@ HELIO_CONSTANT kReferencePaths = 2073600u;  // 1920 x 1080: what the thresholds 
 HELIO_CONSTANT kCountTileX = 8u;
 HELIO_CONSTANT kCountTileY = 4u;
 
-// The grid: square cells in the ground plane, Morton-ordered.
+// The grid: square cells in the ground plane, Morton-ordered within blocks, which follow each other row by row.
 HELIO_CONSTANT kCellMetres = 16u;
-HELIO_CONSTANT kGridBitsMost = 10u;  // 1024 x 1024 cells
+HELIO_CONSTANT kBlockBits = 5u;        // 32 x 32 cells
+HELIO_CONSTANT kGridBlocksMost = 32u;  // a side: 1024 x 1024 cells
 struct Hitbox {
   uint word;
   uint hits;
@@ -129,9 +130,10 @@ struct LipacTick {
   uint64_t volumes;     // CullVolume: two a viewer
   int grid_x;           // the grid's first cell
   int grid_z;
-  uint grid_bits;  // 2^bits cells a side
-  uint count;      // entries of `order`
-  uint capacity;   // of `output_`
+  uint grid_blocks_x;
+  uint grid_blocks_z;
+  uint count;     // entries of `order`
+  uint capacity;  // of `output_`
   uint command_capacity;
   uint patch_count;
   uint sight_count;

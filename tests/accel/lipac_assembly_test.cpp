@@ -12,10 +12,13 @@ using namespace shared;
 
 constexpr uint64_t kMeshBlas = 0x1000;
 
-uint32_t morton(uint32_t x, uint32_t z) {
+/// The cell at (x, z) metres: blocks row by row, cells in Morton order within.
+uint32_t cellAt(const LipacGrid& grid, float x, float z) {
+  const auto column = static_cast<uint32_t>(static_cast<int>(std::floor(x / 16.0f)) - grid.x);
+  const auto row = static_cast<uint32_t>(static_cast<int>(std::floor(z / 16.0f)) - grid.z);
   uint32_t code = 0;
-  for (uint32_t bit = 0; bit < 16; ++bit) code |= (x >> bit & 1u) << 2 * bit | (z >> bit & 1u) << (2 * bit + 1);
-  return code;
+  for (uint32_t bit = 0; bit < 5; ++bit) code |= (column >> bit & 1u) << 2 * bit | (row >> bit & 1u) << (2 * bit + 1);
+  return (row / 32 * grid.blocks_x + column / 32) * 1024 + code;
 }
 
 struct Entry {
@@ -58,10 +61,7 @@ class LipacAssembly : public LipacFixture {
       const uint32_t state = words[slot] & 3u, smoothed = words[slot] >> kSmoothedShift;
       const uint32_t rank = large ? 31 : smoothed == 0 ? 0 : static_cast<uint32_t>(std::log2(smoothed)) + 1;
       if (large || state != kStateInactive) candidates.push_back({slot, rank, !large && state == kStateOmitted});
-      else
-        boxes[morton(
-            static_cast<uint32_t>(std::floor(records[slot].rows[0].w / 16.0f)) - static_cast<uint32_t>(grid.x),
-            static_cast<uint32_t>(std::floor(records[slot].rows[2].w / 16.0f)) - static_cast<uint32_t>(grid.z))] = true;
+      else boxes[cellAt(grid, records[slot].rows[0].w, records[slot].rows[2].w)] = true;
     }
     const auto box_count = static_cast<uint32_t>(std::count(boxes.begin(), boxes.end(), true));
     const uint32_t room = capacity - std::min(capacity, box_count);
@@ -160,9 +160,8 @@ TEST_F(LipacAssembly, BoxesCoverWhatTheyStandFor) {
   for (const uint32_t slot : order) {
     if (records[slot].mesh == kNoMesh || slot % 97 == 0 || (words[slot] & 3u) >= kStateRequested) continue;
     const bool omitted = (words[slot] & 3u) == kStateOmitted;
-    const auto x = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[0].w / 16.0f)) - result.grid.x);
-    const auto z = static_cast<uint32_t>(static_cast<int>(std::floor(records[slot].rows[2].w / 16.0f)) - result.grid.z);
-    const uint32_t key = omitted ? slot | kMaskOmitted << 24 : morton(x, z) | kMaskCell << 24;
+    const uint32_t cell = cellAt(result.grid, records[slot].rows[0].w, records[slot].rows[2].w);
+    const uint32_t key = omitted ? slot | kMaskOmitted << 24 : cell | kMaskCell << 24;
     const auto box = std::find_if(result.entries.begin(), result.entries.end(),
                                   [&](const TlasInstance& e) { return e.custom_index_and_mask == key; });
     ASSERT_NE(box, result.entries.end()) << slot;

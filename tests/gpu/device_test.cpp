@@ -8,6 +8,7 @@
 #include "gpu/commands.h"
 #include "gpu/device.h"
 #include "gpu/pipelines.h"
+#include "gpu/range_pool.h"
 
 namespace helio::gpu {
 namespace {
@@ -56,6 +57,31 @@ TEST_F(Gpu, CountsMemoryByCategory) {
     EXPECT_EQ(device->memoryInUse(MemoryCategory::path_tracing), before + (1 << 20));
   }
   EXPECT_EQ(device->memoryInUse(MemoryCategory::path_tracing), before);
+}
+
+TEST_F(Gpu, APoolThatEmptiesGivesItsMemoryBack) {
+  constexpr uint64_t kSize = 1000, kAlignment = 256;
+  RangePool pool(*device, {"a test", 1 << 20, MemoryCategory::path_tracing});
+  std::vector<Range> ranges(4000);
+  for (Range& range : ranges) range = pool.allocate(kSize, kAlignment);
+  EXPECT_EQ(pool.bytesUsed(), kSize * ranges.size());
+  EXPECT_LT(pool.bytesHeld(), pool.bytesUsed() * 5 / 4) << "the last chunk is a part of what is held";
+  // Few are left in every chunk: none of them comes back until they move together.
+  for (size_t i = 0; i < ranges.size(); ++i)
+    if (i % 40 != 39) pool.free(ranges[i]);
+  const uint64_t scattered = pool.bytesHeld();
+  EXPECT_GT(scattered, 8 * pool.bytesUsed());
+  for (Range& range : ranges) {
+    if (!range) continue;
+    const Range before = range;
+    if (pool.moveForward(range, kAlignment)) EXPECT_LT(range.chunk, before.chunk);
+    EXPECT_EQ(range.size, kSize);
+    EXPECT_EQ(range.address % kAlignment, 0u);
+  }
+  EXPECT_EQ(pool.bytesUsed(), kSize * ranges.size() / 40);
+  EXPECT_LT(pool.bytesHeld(), scattered / 6);
+  for (Range& range : ranges) pool.free(range);
+  EXPECT_EQ(pool.bytesHeld(), 0u);
 }
 
 TEST_F(Gpu, OutOfMemoryNamesWhatWasAskedFor) {
