@@ -56,13 +56,15 @@ void addLightTransport(CLI::App& command, v1::LightTransport& light) {
   for (const render::LightSwitch& each : render::kLightSwitches) {
     std::string flag = each.name;
     std::replace(flag.begin(), flag.end(), '_', '-');
+    const std::string off = "--no-" + flag;
+    std::string names = "--" + flag;
+    names.append(",!").append(off);
     const auto* field = v1::LightTransport::descriptor()->FindFieldByName(each.name);
     const bool usual = render::ViewSettings{}.*each.field;
     command
         .add_flag_function(
-            "--" + flag + ",!--no-" + flag,
-            [&light, field](int64_t count) { light.GetReflection()->SetBool(&light, field, count > 0); },
-            each.description + std::string(usual ? " (unless --no-" + flag + ")" : ""))
+            names, [&light, field](int64_t count) { light.GetReflection()->SetBool(&light, field, count > 0); },
+            each.description + (usual ? " (unless " + off + ")" : std::string()))
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
   }
   command

@@ -17,7 +17,7 @@ Json orNull(const std::optional<double>& value) { return value ? Json(rounded(*v
 Json summary(std::vector<double> values) {
   if (values.empty()) return {{"median", nullptr}, {"p95", nullptr}, {"max", nullptr}};
   std::sort(values.begin(), values.end());
-  const auto quantile = [&](double q) { return rounded(values[size_t(q * double(values.size() - 1) + 0.5)]); };
+  const auto quantile = [&](double q) { return rounded(values[std::lround(q * double(values.size() - 1))]); };
   return {{"median", quantile(0.5)}, {"p95", quantile(0.95)}, {"max", rounded(values.back())}};
 }
 

@@ -133,7 +133,7 @@ void view(const Common& common, const ViewOptions& options) {
     while (auto received = get(session->next())) {
       const auto& frame = received->frame;
       char name[32];
-      std::snprintf(name, sizeof name, "frame_%06llu.jpg", static_cast<unsigned long long>(recording.frames() + 1));
+      std::snprintf(name, sizeof name, "frame_%06llu.jpg", static_cast<unsigned long long>(recording.frames()) + 1);
       writeFile((folder / name).string(), frame.data());
       const auto motion_to_photon = session->shown(*received, received->arrived);
       const auto stored = client::Clock::now();

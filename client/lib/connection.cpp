@@ -130,7 +130,7 @@ Connection::Connection(std::string address, const Result<std::optional<Credentia
     const std::string host = address_.substr(0, address_.rfind(':'));
     arguments.SetSslTargetNameOverride(host.front() == '[' ? host.substr(1, host.size() - 2) : host);
   }
-  connect(relay.empty() ? address_ : relay, stored ? *stored : std::nullopt, std::move(arguments));
+  connect(relay.empty() ? address_ : relay, stored ? *stored : std::nullopt, arguments);
 }
 
 std::unique_ptr<Connection> Connection::through(const std::string& relay, const std::string& server) {

@@ -54,7 +54,8 @@ void OwnBlases::plan(std::span<const WantedUnit> wanted, Units& units, InstanceT
   for (const uint32_t unit : aged) release(unit);
   std::erase_if(held_, [this](uint32_t unit) { return !structures_[unit].storage; });
 
-  for (const auto& [unit, level] : wanted) {
+  for (const WantedUnit& want : wanted) {
+    const uint32_t unit = want.unit, level = want.level;
     const DeformingMesh& mesh = units.meshOf(unit);
     Structure& structure = structures_[unit];
     const bool posed = units.units()[unit].posed;

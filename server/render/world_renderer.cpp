@@ -143,6 +143,7 @@ Result<std::vector<Frame>> WorldRenderer::tick(const world::ChangeSet& changes, 
                               [](const ViewRequest& request) { return looksBack(request.settings); }));
   const bool moved = units_.pose(changes.time, instances_);
   std::vector<accel::Viewpoint> viewers;
+  viewers.reserve(requests.size());
   for (const ViewRequest& request : requests) viewers.push_back(viewpointOf(request));
   strategy_->begin(viewers);
   detail_.begin(viewers);

@@ -69,6 +69,7 @@ class PointSet {
     }
     std::sort(found.begin(), found.end());
     std::vector<uint32_t> indices;
+    indices.reserve(found.size());
     for (const auto& [t, i] : found) indices.push_back(i);
     return indices;
   }
@@ -218,6 +219,7 @@ class TileBuilder {
                static_cast<uint64_t>(piece.raise * 1000.0f));
     std::vector<uint32_t>& indices = by_material_[piece.surface];
     std::vector<uint32_t> corners;
+    corners.reserve(ring.size());
     for (uint32_t i : ring) corners.push_back(vertex(piece, points_[i], hash64(paint, i)));
     // (x, z) counter-clockwise is clockwise seen from above: triangles run the other way round.
     const size_t count = corners.size();

@@ -118,8 +118,10 @@ std::array<float, 6> facingAreas(const Mesh& mesh, std::span<const uint32_t> ind
     const glm::vec3 &a = mesh.positions[indices[t]], &b = mesh.positions[indices[t + 1]],
                     &c = mesh.positions[indices[t + 2]];
     const glm::vec3 area = 0.5f * glm::cross(b - a, c - a);
-    for (int axis = 0; axis < 3; ++axis)
-      areas[static_cast<size_t>(2 * axis + (area[axis] < 0.0f))] += std::abs(area[axis]);
+    for (size_t axis = 0; axis < 3; ++axis) {
+      const float signed_area = area[static_cast<int>(axis)];
+      areas[2 * axis + (signed_area < 0.0f ? 1 : 0)] += std::abs(signed_area);
+    }
   }
   return areas;
 }
@@ -324,8 +326,9 @@ void addLevels(Mesh& mesh, const std::function<std::vector<Simplified>(double sh
       level.error = std::max(level.error, parts[part].error);
       if (coarse.index_count < mesh.submeshes[part].index_count) orderTriangles(mesh.positions, level.indices, coarse);
     }
-    if (static_cast<double>(level.indices.size() / 3) > kLevelShare * static_cast<double>(before)) continue;
-    before = level.indices.size() / 3;
+    const size_t triangles = level.indices.size() / 3;
+    if (static_cast<double>(triangles) > kLevelShare * static_cast<double>(before)) continue;
+    before = triangles;
     error_before = level.error;
     mesh.levels.push_back(std::move(level));
   }
@@ -352,7 +355,8 @@ void makeLevels(Mesh& mesh, const std::vector<Material>& materials, Seams seams)
 
 void makeTileLevels(Mesh& mesh) {
   Simplifier simplifier(mesh, Seams::cross);
-  const auto all = static_cast<double>(mesh.indices.size() / 3);
+  const size_t triangles = mesh.indices.size() / 3;
+  const auto all = static_cast<double>(triangles);
   addLevels(mesh, [&](double share, bool) {
     return simplifier.simplifyWithinOutline(static_cast<size_t>(std::ceil(share * all)));
   });

@@ -35,7 +35,7 @@ std::vector<double> blurred(const std::vector<double>& values, size_t width, siz
     for (size_t y = 0; y < height; ++y)
       for (size_t x = 0; x < width; ++x) {
         double sum = 0.0, weights = 0.0;
-        for (int k = -kRadius; k <= kRadius; ++k) {
+        for (int64_t k = -kRadius; k <= kRadius; ++k) {
           const auto at = static_cast<int64_t>(rows ? x : y) + k;
           if (at < 0 || at >= static_cast<int64_t>(rows ? width : height)) continue;
           const double weight = window[static_cast<size_t>(k + kRadius)];
