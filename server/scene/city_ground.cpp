@@ -387,15 +387,15 @@ Ground buildGround(const CityPlan& plan, const Palette& palette) {
   std::vector<Cutter> cutters;
   cutters.reserve(plan.blocks.size());
   for (const Block& block : plan.blocks) cutters.emplace_back(block);
-  const auto tiles = static_cast<int>(plan.site.side / kTile);
+  const auto tiles = static_cast<int64_t>(plan.site.side / kTile);
   std::vector<std::vector<const Cutter*>> by_tile(static_cast<size_t>(tiles * tiles));
   for (const Cutter& cutter : cutters) {
     // A tile also cuts the triangles around it: take its neighbourhood of one lattice square.
     const auto index = [&](double v) {
-      return std::clamp(static_cast<int>(std::floor((v + plan.site.half()) / kTile)), 0, tiles - 1);
+      return std::clamp<int64_t>(static_cast<int64_t>(std::floor((v + plan.site.half()) / kTile)), 0, tiles - 1);
     };
-    for (int z = index(cutter.box.min.y - kLattice); z <= index(cutter.box.max.y + kLattice); ++z) {
-      for (int x = index(cutter.box.min.x - kLattice); x <= index(cutter.box.max.x + kLattice); ++x) {
+    for (int64_t z = index(cutter.box.min.y - kLattice); z <= index(cutter.box.max.y + kLattice); ++z) {
+      for (int64_t x = index(cutter.box.min.x - kLattice); x <= index(cutter.box.max.x + kLattice); ++x) {
         by_tile[static_cast<size_t>(z * tiles + x)].push_back(&cutter);
       }
     }
@@ -407,7 +407,7 @@ Ground buildGround(const CityPlan& plan, const Palette& palette) {
   std::atomic<size_t> next{0};
   const auto work = [&] {
     for (size_t i = next++; i < by_tile.size(); i = next++) {
-      const int x = static_cast<int>(i) % tiles, z = static_cast<int>(i) / tiles;
+      const int64_t x = static_cast<int64_t>(i) % tiles, z = static_cast<int64_t>(i) / tiles;
       const glm::dvec2 origin = glm::dvec2(x, z) * kTile - plan.site.half();
       const std::string name = "terrain_" + std::to_string(x) + "_" + std::to_string(z);
       ground.meshes[i] = buildTile(plan, palette, by_tile[i], origin, name);
