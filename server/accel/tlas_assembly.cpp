@@ -56,7 +56,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
   const uint32_t capacity = bucketAbove(count + count / 8);
-  if (count <= capacity_ && 3 * capacity_ <= 4 * capacity) return;
+  if (count <= capacity_ && 8 * capacity_ <= 9 * capacity) return;
   gpu::Buffer instances(
       device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
                 gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
