@@ -74,7 +74,7 @@ TEST_F(Gpu, APoolThatEmptiesGivesItsMemoryBack) {
   for (Range& range : ranges) {
     if (!range) continue;
     const Range before = range;
-    if (pool.moveForward(range, kAlignment)) EXPECT_LT(range.chunk, before.chunk);
+    if (pool.moveForward(range, kAlignment)) { EXPECT_LT(range.chunk, before.chunk); }
     EXPECT_EQ(range.size, kSize);
     EXPECT_EQ(range.address % kAlignment, 0u);
   }
