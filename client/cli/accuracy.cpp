@@ -6,16 +6,13 @@
 
 #include "cli/command.h"
 #include "cli/progress.h"
-#include "lib/camera.h"
 
 namespace helio::cli {
 namespace {
 
-struct AccuracyOptions {
-  std::string world, camera, out, size = "640x360", primary = "raster", materials = "none";
+struct AccuracyOptions : Viewpoint {
+  std::string world, out, size = "640x360", primary = "raster", materials = "none";
   uint64_t viewer = 0;
-  std::vector<float> position, target;
-  double vfov = 50;
   uint32_t frames = 8, bounces = 3, samples = 1, reference_samples = 256, reference_bounces = 0;
   v1::LightTransport light;
   Approximations approximations;
@@ -47,14 +44,7 @@ v1::MeasureAccuracyRequest requestOf(const AccuracyOptions& options) {
   }
   *request.mutable_settings() = settingsOf(options);
   request.set_frames(options.frames);
-  if (!options.position.empty()) {
-    const glm::vec3 position(options.position[0], options.position[1], options.position[2]);
-    const glm::vec3 target(options.target[0], options.target[1], options.target[2]);
-    *request.mutable_camera() =
-        client::toWire(client::lookAt(position, target, static_cast<float>(radians(options.vfov))));
-  } else if (!options.camera.empty()) {
-    request.set_camera_name(options.camera);
-  }
+  options.put(request);
   return request;
 }
 

@@ -9,6 +9,7 @@
 #include <iostream>
 #include <numbers>
 
+#include "lib/camera.h"
 #include "render/choices.h"
 #include "render/light_switches.h"
 #include "render/material_override.h"
@@ -170,6 +171,11 @@ void writeFile(const std::string& path, const std::string& bytes) {
   std::ofstream file(path, std::ios::binary);
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!file.flush()) throw Stop{"cannot write " + path + "; does its folder exist, and is there space?"};
+}
+
+v1::Camera Viewpoint::toWire() const {
+  const glm::vec3 from(position[0], position[1], position[2]), to(target[0], target[1], target[2]);
+  return client::toWire(client::lookAt(from, to, static_cast<float>(radians(vfov))));
 }
 
 double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/result.h"
 #include "lib/connection.h"
@@ -83,6 +84,23 @@ struct Approximations {
   v1::Lens lensOnWire() const;
 };
 void addApproximations(CLI::App& command, Approximations& approximations);
+
+/// Where a picture that the server makes looks from.
+struct Viewpoint {
+  std::string camera;                   ///< one of the world's by name; with neither, the server chooses
+  std::vector<float> position, target;  ///< metres, three numbers each, or none
+  double vfov = 50;                     ///< degrees, with `position`
+
+  /// For v1::RenderRequest and v1::AccuracyRequest.
+  template <typename Message>
+  void put(Message& message) const {
+    if (!position.empty()) *message.mutable_camera() = toWire();
+    else if (!camera.empty()) message.set_camera_name(camera);
+  }
+
+ private:
+  v1::Camera toWire() const;
+};
 
 /// Prints a document with its schema.
 void print(const Json& document);

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "cli/progress.h"
-#include "lib/camera.h"
 
 namespace helio::cli {
 namespace {
@@ -30,14 +29,7 @@ ShotResult shootRemotely(const Common& common, const ShotOptions& options) {
   request.mutable_exposure()->set_ev(options.exposure_ev);
   request.set_codec(codecOf(options.out));
   request.set_jpeg_quality(static_cast<uint32_t>(options.quality));
-  if (!options.position.empty()) {
-    const glm::vec3 position(options.position[0], options.position[1], options.position[2]);
-    const glm::vec3 target(options.target[0], options.target[1], options.target[2]);
-    *request.mutable_camera() =
-        client::toWire(client::lookAt(position, target, static_cast<float>(radians(options.vfov))));
-  } else if (!options.camera.empty()) {
-    request.set_camera_name(options.camera);
-  }
+  options.put(request);
   ProgressBar bar("rendering");
   const auto picture = get(connection.render(request, [&](uint32_t samples, uint32_t wanted) {
     bar.show(double(samples) / wanted, std::to_string(samples) + "/" + std::to_string(wanted) + " samples");

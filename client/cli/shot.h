@@ -11,11 +11,8 @@ namespace helio::cli {
 
 inline constexpr uint32_t kShotSamples = 16;
 
-struct ShotOptions {
-  std::string world, camera, out = "shot.png", size = "640x360", mode = "reference", primary = "raster",
-                             materials = "none";
-  std::vector<float> position, target;
-  double vfov = 50;                 ///< degrees
+struct ShotOptions : Viewpoint {
+  std::string world, out = "shot.png", size = "640x360", mode = "reference", primary = "raster", materials = "none";
   std::optional<uint32_t> samples;  ///< a pixel; unset: kShotSamples, or the spec's
   uint32_t bounces = 3;
   float exposure_ev = 0;

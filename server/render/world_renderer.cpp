@@ -12,6 +12,8 @@ namespace helio::render {
 namespace {
 
 constexpr float kNearPlane = 1e-4f;        // metres; reversed float depth loses nothing by it
+// Of a pixel's width, that textures are read over where samples lie all over the pixel: together they filter.
+constexpr float kSpreadFootprint = 0.35f;
 constexpr uint32_t kMostLampsOnce = 1024;  // that a vertex looks at one by one
 
 /// Passes that measure rather than make the picture.
@@ -384,6 +386,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   // depends on it: the reference averages samples instead.
   if (settings.mode != Mode::reference) {
     c.pixel_spread = std::atan(2.0f * camera.tangent / static_cast<float>(settings.height));
+    if (view.spreadsSamples()) c.pixel_spread *= kSpreadFootprint;
     c.cone_growth = 1.0f;
   }
   c.width = settings.width;

@@ -97,7 +97,7 @@ void mansardRoof(MeshBuilder& b, uint32_t roof, uint32_t trim, const RoofPlan& p
 
 void flatRoof(MeshBuilder& b, uint32_t roof, uint32_t wall, uint32_t trim, const RoofPlan& plan) {
   const float x = 0.5f * plan.width, z = 0.5f * plan.depth, top = plan.y + 0.8f, thickness = 0.3f;
-  const float ix = x - thickness, iz = z - thickness, deck = plan.y + 0.05f;
+  const float ix = x - thickness, iz = z - thickness, deck = plan.y + 0.1f;  // above the string course
   b.box(wall, {-x, plan.y, -z}, {x, top, z}, kNoTop | kNoBottom);
   b.quad(roof, {-ix, deck, iz}, {ix, deck, iz}, {ix, deck, -iz}, {-ix, deck, -iz});
   b.quad(wall, {ix, deck, iz}, {-ix, deck, iz}, {-ix, top, iz}, {ix, top, iz});

@@ -34,9 +34,16 @@ vec3 surfaceNormal(uint packed_surface) {
   if (v.z < 0.0) v.xy = (1.0 - abs(v.yx)) * vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0);
   return normalize(v);
 }
-// Depth in metres, 0 where there is no surface; the sign tells what is seen in a mirror.
-uint packDepth(float depth, bool mirrored) { return floatBitsToUint(max(depth, 0.0)) | (mirrored ? 0x80000000u : 0u); }
-float surfaceDepth(uint packed_depth) { return uintBitsToFloat(packed_depth & 0x7fffffffu); }
+// Depth in metres to 16 bits, 0 where there is no surface; the sign tells what is seen in a mirror, and the 7 bits at the end how much
+// of the sun reaches the surface: what shadow rays of this tick found, then their mean over ticks.
+const uint kSunlitBits = 127u;
+uint packDepth(float depth, bool mirrored) { return floatBitsToUint(max(depth, 0.0)) & ~kSunlitBits | (mirrored ? 0x80000000u : 0u); }
+float surfaceDepth(uint packed_depth) { return uintBitsToFloat(packed_depth & 0x7fffffffu & ~kSunlitBits); }
+float surfaceSunlit(uint packed_depth) { return float(packed_depth & kSunlitBits) / float(kSunlitBits); }
+// `chance` in [0, 1): as packLight()'s.
+uint withSunlit(uint packed_depth, float sunlit, float chance) {
+  return packed_depth & ~kSunlitBits | min(uint(clamp(sunlit, 0.0, 1.0) * float(kSunlitBits) + chance), kSunlitBits);
+}
 bool surfaceMirrored(uint packed_depth) { return (packed_depth & 0x80000000u) != 0u; }
 uint surfaceInstance(uint packed_surface) { return packed_surface >> 22; }
 

@@ -97,10 +97,19 @@ bool goesOnFromShown(uvec2 pixel, Surface s, vec3 wo, bool drawn, BsdfSample bsd
 // had the direction `seen`. `tint`: of the mirror that it is seen in.
 void storeSurface(ivec2 pixel, Surface s, vec3 wo, vec3 seen, float distance, vec3 tint, bool mirrored) {
   const vec3 specular = glossyAlbedo(s.bsdf, wo);
-  const uvec2 surface = uvec2(packSurface(s.frame_[2], s.slot, mirrored), packDepth(dot(seen, frame.forward) * distance, mirrored));
+  uvec2 surface = uvec2(packSurface(s.frame_[2], s.slot, mirrored), packDepth(dot(seen, frame.forward) * distance, mirrored));
+  if (push.tick_sample > 0u) surface.y |= imageLoad(images_rg32ui[history.surface], pixel).y & kSunlitBits;
   const uvec2 albedos = withRoughness(uvec2(packAlbedo(tint * s.bsdf.diffuse), packAlbedo(tint * specular)), sqrt(s.bsdf.alpha));
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
   imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
+}
+// What the sample's shadow ray of the shown surface found; of several samples a tick their mean is kept.
+void storeSunlit(ivec2 pixel, bool sunlit) {
+  if (!kSplit) return;
+  uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
+  const float mean = mix(surfaceSunlit(surface.y), float(sunlit), 1.0 / float(push.tick_sample + 1u));
+  surface.y = withSunlit(surface.y, mean, 0.5);
+  imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
 }
 // The path shows none: the sky, itself or in a mirror.
 void storeNoSurface(ivec2 pixel, bool mirrored) {

@@ -118,31 +118,65 @@ vec2 intersectPlane(Triangle t, vec3 origin, vec3 direction) {
   return b / max(1.0, b.x + b.y);
 }
 
+// Of a ray cone on a triangle.
+struct Footprint {
+  // An ellipse: how the barycentrics of the second and third vertex change along its long and its short axis.
+  bool ellipse;
+  vec2 across[2];
+  float scale;  // or a circle: its diameter, times the root of the triangle's area in the texture
+};
+
+// `seen`: as by the eye, be it in mirrors; what light was scattered into may be blurred in all directions.
+Footprint footprintOf(Triangle t, vec3 scaled_normal, vec3 direction, float width, bool seen) {
+  Footprint f;
+  const float double_area = max(length(scaled_normal), 1e-20);
+  const vec3 normal = scaled_normal / double_area;
+  const float facing = dot(direction, normal), longer = width / max(abs(facing), 0.02);
+  f.scale = longer / sqrt(double_area);
+  f.ellipse = seen && width > 0.0;
+  if (!f.ellipse) return f;
+  const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
+  const vec3 slope = direction - facing * normal;
+  const vec3 along = dot(slope, slope) > 1e-8 ? normalize(slope) : normalize(e1);
+  const vec3 axes[2] = vec3[](along * longer, cross(normal, along) * width);
+  for (int i = 0; i < 2; ++i) f.across[i] = vec2(dot(cross(axes[i], e2), normal), dot(cross(e1, axes[i]), normal)) / double_area;
+  return f;
+}
+
 // Where a hit lies in the plane of a texture.
 struct TexturePoint {
   vec2 uv;
-  float footprint;  // of the ray cone, in uv
+  bool ellipse;
+  vec2 axes[2];   // of the ray cone's footprint, in uv
+  float diameter; // where that is a circle
 };
 
-TexturePoint texturePoint(vec2 uv[3], vec3 w, float footprint_scale) {
+TexturePoint texturePoint(vec2 uv[3], vec3 w, Footprint f) {
   const vec2 e1 = uv[1] - uv[0], e2 = uv[2] - uv[0];
-  return TexturePoint(uv[0] * w.x + uv[1] * w.y + uv[2] * w.z, sqrt(abs(e1.x * e2.y - e1.y * e2.x)) * footprint_scale);
+  TexturePoint p;
+  p.uv = uv[0] * w.x + uv[1] * w.y + uv[2] * w.z;
+  p.ellipse = f.ellipse;
+  if (f.ellipse) for (int i = 0; i < 2; ++i) p.axes[i] = e1 * f.across[i].x + e2 * f.across[i].y;
+  else p.diameter = sqrt(abs(e1.x * e2.y - e1.y * e2.x)) * f.scale;
+  return p;
 }
 
 // The same hit in another channel of texture coordinates, if the mesh has it.
-TexturePoint inChannel(uint slot, MaterialRecord material, Triangle t, TexturePoint channel0, vec3 w, float footprint_scale) {
+TexturePoint inChannel(uint slot, MaterialRecord material, Triangle t, TexturePoint channel0, vec3 w, Footprint f) {
   const uint channel = bitfieldExtract(material.flags, int(kUvChannelShift + kUvChannelBits * slot), int(kUvChannelBits));
   if (!kUvChannels || channel == 0u || t.geometry.extras == 0ul) return channel0;
   const uint64_t address = VertexExtrasRef(t.geometry.extras).extras.uvs[channel - 1u];
   if (address == 0ul) return channel0;
   UvTable table = UvTable(address);
-  return texturePoint(vec2[3](table.items[t.vertices.x], table.items[t.vertices.y], table.items[t.vertices.z]), w, footprint_scale);
+  return texturePoint(vec2[3](table.items[t.vertices.x], table.items[t.vertices.y], table.items[t.vertices.z]), w, f);
 }
 
-// Reads at the level of detail of the ray cone's footprint [Akenine-Moeller et al. 2019, eq. 34].
+// Reads over the ray cone's footprint: an ellipse anisotropically [Akenine-Moeller et al. 2021, Improved shader and texture level of
+// detail using ray cones], a circle at its level of detail [Akenine-Moeller et al. 2019, eq. 34].
 vec4 readTexture(uint texture_index, TexturePoint p) {
+  if (p.ellipse) return textureGrad(textures[nonuniformEXT(texture_index)], p.uv, p.axes[0], p.axes[1]);
   const vec2 size = vec2(textureSize(textures[nonuniformEXT(texture_index)], 0));
-  const float lod = 0.5 * log2(size.x * size.y) + log2(max(1e-12, p.footprint));
+  const float lod = 0.5 * log2(size.x * size.y) + log2(max(1e-12, p.diameter));
   return textureLod(textures[nonuniformEXT(texture_index)], p.uv, lod);
 }
 
@@ -241,13 +275,12 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
   s.emission = material.emission;
   if (kTextures) {
     const float cone_width = cone_width_at_origin + cone_spread * distance(origin, s.position);
-    const float cos_theta = dot(direction, s.geometric_normal);
-    const float scale = cone_width / (max(abs(cos_theta), 0.02) * sqrt(max(double_area, 1e-20)));
-    const TexturePoint p = texturePoint(vec2[3](a0.uv, a1.uv, a2.uv), w, scale);
+    const Footprint footprint = footprintOf(t, scaled_normal, direction, cone_width, cone_spread <= frame.pixel_spread);
+    const TexturePoint p = texturePoint(vec2[3](a0.uv, a1.uv, a2.uv), w, footprint);
     if (material.base_color_texture != kNoTexture)
-      base *= readTexture(material.base_color_texture, inChannel(kSlotBaseColor, material, t, p, w, scale));
+      base *= readTexture(material.base_color_texture, inChannel(kSlotBaseColor, material, t, p, w, footprint));
     if (material.metallic_roughness_texture != kNoTexture) {
-      const vec4 mr = readTexture(material.metallic_roughness_texture, inChannel(kSlotMetallicRoughness, material, t, p, w, scale));
+      const vec4 mr = readTexture(material.metallic_roughness_texture, inChannel(kSlotMetallicRoughness, material, t, p, w, footprint));
       roughness *= mr.g;
       metallic *= mr.b;
     }
@@ -264,15 +297,15 @@ Surface loadSurface(Hit hit, vec3 direction, float cone_width_at_origin, float c
         // A cross product of what was mirrored is turned over: mirroring instances change the handedness.
         const bool right_handed = ((a0.tangent & 1u) != 0u) != mirrors(instance);
         const vec3 bitangent = right_handed ? cross(normal, tangent) : cross(tangent, normal);
-        vec3 m = readTexture(material.normal_texture, inChannel(kSlotNormal, material, t, p, w, scale)).xyz * 2.0 - 1.0;
+        vec3 m = readTexture(material.normal_texture, inChannel(kSlotNormal, material, t, p, w, footprint)).xyz * 2.0 - 1.0;
         m.xy *= material.normal_scale;
         normal = normalize(m.x * tangent + m.y * bitangent + max(m.z, 1e-3) * normal);
       }
     }
     if (has_specular && specular.texture != kNoTexture)
-      specular.weight *= readTexture(specular.texture, inChannel(kSlotSpecular, material, t, p, w, scale)).a;
+      specular.weight *= readTexture(specular.texture, inChannel(kSlotSpecular, material, t, p, w, footprint)).a;
     if (has_specular && specular.color_texture != kNoTexture)
-      specular.f0 *= readTexture(specular.color_texture, inChannel(kSlotSpecularColor, material, t, p, w, scale)).rgb;
+      specular.f0 *= readTexture(specular.color_texture, inChannel(kSlotSpecularColor, material, t, p, w, footprint)).rgb;
   }
   if (kVertexColors) base.rgb *= vertexColor(t, w);
   if (has_specular)

@@ -75,6 +75,7 @@ void main() {
   if (here.depth > 0.0) {
     const float gradient = gradientAt(pixel);
     const vec2 radius = radii(pixel, hit_factor), sharpness = lobeSharpness(roughnessAt(pixel));
+    const float gathered = kStage == kPreblur ? 1.0 : imageLoad(images_rg16f[history.samples], pixel).x;
     const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
     const TangentDisk disk = tangentDisk(pixel, here.normal, here.depth, here.mirrored);
     vec2 sum = vec2(1.0);
@@ -88,7 +89,8 @@ void main() {
         const ivec2 at = ivec2(floor(diskPixel(disk, tap * radius[s])));
         if (at == pixel || !inPicture(at)) continue;
         const SurfaceTexel there = readSurface(history.surface, at);
-        float w = lobeLikeness(here, there, gradient, distance(vec2(at), vec2(pixel)), sharpness[s]) * exp(-2.0 * dot(tap, tap));
+        float w = lobeLikeness(here, there, gradient, distance(vec2(at), vec2(pixel)), sharpness[s]) * exp(-2.0 * dot(tap, tap)) *
+                  sunlitWeight(here, there, gathered);
         if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], at).x == 0.0) w = 0.0;
         if (w <= 0.0) continue;
         light.rgb[s] += w * unpackLight(s == 0u ? imageLoad(images_rg32ui[filter_.source], at).x : imageLoad(images_rg32ui[filter_.source], at).y);

@@ -21,7 +21,8 @@ bool fromLevel(ivec2 pixel, SurfaceTexel here, float gradient, uint level, out L
   for (int i = 0; i < 4; ++i) {
     const ivec2 offset = ivec2(i & 1, i >> 1), texel = clamp(corner + offset, ivec2(0), size - 1), middle = middleOf(texel, stride);
     const vec2 bilinear = mix(1.0 - f, f, vec2(offset));
-    const float w = bilinear.x * bilinear.y * geometryWeight(here, readSurface(history.surface, middle), gradient, distance(vec2(middle), vec2(pixel)));
+    const SurfaceTexel there = readSurface(history.surface, middle);
+    const float w = bilinear.x * bilinear.y * geometryWeight(here, there, gradient, distance(vec2(middle), vec2(pixel))) * sunlitWeight(here, there, 1.0);
     const Lobes l = readLobes(history.mips[level], texel);
     for (uint s = 0u; s < kSignals; ++s) light.rgb[s] += w * l.rgb[s];
     sum += w;

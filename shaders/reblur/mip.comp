@@ -5,6 +5,8 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+float likeness(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) { return geometryWeight(a, b, gradient, pixels) * sunlitWeight(a, b, 1.0); }
+
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
   const int stride = int(filter_.stride);
@@ -20,7 +22,7 @@ void main() {
     if (any(greaterThanEqual(child * (stride / 2), size))) continue;
     const ivec2 at = stride == 2 ? child : middleOf(child, stride / 2);
     // Where they all show other surfaces, better some light than none.
-    const float w = 1e-4 + (at == middle ? 1.0 : geometryWeight(here, readSurface(history.surface, at), gradient, distance(vec2(at), vec2(middle))));
+    const float w = 1e-4 + (at == middle ? 1.0 : likeness(here, readSurface(history.surface, at), gradient, distance(vec2(at), vec2(middle))));
     const Lobes light = readLobes(filter_.source, child);
     for (uint s = 0u; s < kSignals; ++s) mean.rgb[s] += w * light.rgb[s];
     sum += w;

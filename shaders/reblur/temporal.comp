@@ -16,22 +16,25 @@ const float kEnough = 6.0;  // of them, to judge at all
 struct History {
   Lobes light;
   vec2 ticks;
+  float sunlit;
   float weight;
 };
 
 void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight) {
   if (weight <= 0.0 || !inPicture(texel)) return;
-  if (!continuesSurface(readSurface(history.previous_surface, texel), here, depth, gradient)) return;
+  const SurfaceTexel there = readSurface(history.previous_surface, texel);
+  if (!continuesSurface(there, here, depth, gradient)) return;
   const vec4 ticks = vec4(imageLoad(images_rg16f[history.samples], texel).xy, 0.0, 0.0);
   if (!isNumber(ticks)) return;
   const Lobes light = readLobes(history.filtered, texel);  // cannot be but numbers
   for (uint s = 0u; s < kSignals; ++s) sum.light.rgb[s] += weight * light.rgb[s];
   sum.ticks += weight * ticks.xy;
+  sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
 
 History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
-  History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0);
+  History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0, 0.0);
   if (history.valid == 0u) return sum;
   const vec2 at = vec2(pixel) + motion.xy;
   const ivec2 corner = ivec2(floor(at));
@@ -99,6 +102,9 @@ void main() {
         const vec3 brought = l > 1e-6 ? known * (fitting / l) : known + (fitting - l);
         light.rgb[s] = dropped ? brought : mix(brought, light.rgb[s], 1.0 / max(ticks[s], 1.0));
       }
+      const float sunlit = mix(before.sunlit / before.weight, here.sunlit, dropped ? 0.0 : 1.0 / max(ticks.x, 1.0));
+      // Neighbours that judge look at the texel too, but not at these bits.
+      keepSunlit(pixel, sunlit, randomAt(uvec2(pixel), history.tick, 25u).x);
     }
   }
   writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 24u).x);

@@ -29,7 +29,7 @@ vec2 smoothDeviation(ivec2 pixel) {
 }
 
 void filterLight(ivec2 pixel, SurfaceTexel here, inout LobeLight light) {
-  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
+  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w, samples = imageLoad(images_rg16f[history.samples], pixel).x;
   const vec2 tolerance = kSigmaLuminance * smoothDeviation(pixel) + 1e-5;
   const vec2 l = vec2(luminance(light.rgb[0]), luminance(light.rgb[1]));
   vec2 sum = vec2(kKernel[0] * kKernel[0]);
@@ -40,7 +40,8 @@ void filterLight(ivec2 pixel, SurfaceTexel here, inout LobeLight light) {
       const ivec2 at = pixel + ivec2(x, y) * int(filter_.stride);
       if ((x == 0 && y == 0) || !inPicture(at)) continue;
       const SurfaceTexel there = readSurface(history.surface, at);
-      const float w = kKernel[abs(x)] * kKernel[abs(y)] * geometryWeight(here, there, gradient, length(vec2(x, y)) * float(filter_.stride));
+      const float w = kKernel[abs(x)] * kKernel[abs(y)] * geometryWeight(here, there, gradient, length(vec2(x, y)) * float(filter_.stride)) *
+                      sunlitWeight(here, there, samples);
       if (w <= 0.0) continue;
       const LobeLight tap = readLight(filter_.source, filter_.source_deviation, at);
       const vec2 ws = w * exp(-abs(vec2(luminance(tap.rgb[0]), luminance(tap.rgb[1])) - l) / tolerance);

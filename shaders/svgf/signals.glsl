@@ -15,11 +15,12 @@ struct SurfaceTexel {
   float depth;  // metres; 0: nothing is there
   uint instance;
   bool mirrored;
+  float sunlit;  // share of the sun's light that reaches it, [0, 1]
 };
 
 SurfaceTexel readSurface(uint image, ivec2 pixel) {
   const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
-  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x), surfaceMirrored(texel.y));
+  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x), surfaceMirrored(texel.y), surfaceSunlit(texel.y));
 }
 
 // How alike two texels' geometry is, `pixels` apart on the screen [section 4.4, eq. 3 and 4]. `gradient`: of depth, metres a
@@ -32,6 +33,17 @@ float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixel
   float alike = max(dot(a.normal, b.normal), 0.0);
   for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
   return alike * exp(-abs(a.depth - b.depth) / tolerance);
+}
+
+// An edge that no noise hides: by day the sun's shadows are the sharpest and darkest of the picture, and what reaches lit surfaces
+// otherwise is so noisy that by luminance alone filters take the shadows for noise. `samples`: in the mean over ticks.
+float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) {
+  return exp(-abs(a.sunlit - b.sunlit) / (0.05 + 0.25 / max(samples, 1.0)));
+}
+// The mean over ticks takes the place of what this tick's samples found.
+void keepSunlit(ivec2 pixel, float sunlit, float chance) {
+  const uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
+  imageStore(images_rg32ui[history.surface], pixel, uvec4(surface.x, withSunlit(surface.y, sunlit, chance), 0u, 0u));
 }
 
 const float kAlikeNormals = 0.9;  // cosine

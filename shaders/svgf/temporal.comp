@@ -21,6 +21,7 @@ struct History {
   vec3 light[kSignals];
   vec4 moments;          // mean and second moment of the luminance: diffuse, specular
   vec2 samples;
+  float sunlit;
   float weight;
 };
 
@@ -37,6 +38,7 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
   sum.light[1] += weight * unpackLight(light.y);
   sum.moments += weight * vec4(m.x, m.y * m.y + m.x * m.x, m.z, m.w * m.w + m.z * m.z);
   sum.samples += weight * samples.xy;
+  sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
 
@@ -45,7 +47,7 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
   sum.light[0] = sum.light[1] = vec3(0.0);
   sum.moments = vec4(0.0);
   sum.samples = vec2(0.0);
-  sum.weight = 0.0;
+  sum.sunlit = sum.weight = 0.0;
   if (history.valid == 0u) return sum;
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
   const vec2 at = vec2(pixel) + motion.xy;
@@ -101,6 +103,9 @@ void main() {
       moments[2u * s] = min(m.x, kMostStored);
       moments[2u * s + 1u] = min(deviation, kMostStored);
     }
+    const float share = known ? mix(max(1.0 / max(samples.x, 1.0), kLeastShare), 1.0, maxComponent(vec3(change, 0.0))) : 1.0;
+    const float sunlit = known ? mix(before.sunlit / before.weight, here.sunlit, dropped ? 0.0 : share) : here.sunlit;
+    keepSunlit(pixel, sunlit, randomAt(uvec2(pixel), history.tick, 2u).x);
   }
   writeLight(history.sampled, history.sampled_deviation, pixel, integrated, randomAt(uvec2(pixel), history.tick, 0u).x);
   // Neighbours may still look at those of the tick before.

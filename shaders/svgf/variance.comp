@@ -22,7 +22,7 @@ LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 sa
       const ivec2 at = pixel + ivec2(x, y);
       if (!inPicture(at)) continue;
       const SurfaceTexel there = readSurface(history.surface, at);
-      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(x, y)));
+      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(x, y))) * sunlitWeight(here, there, samples.x);
       const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
       const vec3 c[kSignals] = vec3[](unpackLight(packed_light.x), unpackLight(packed_light.y));
       const vec2 l = vec2(luminance(c[0]), luminance(c[1]));

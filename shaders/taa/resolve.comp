@@ -8,9 +8,10 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 // Ticks in the mean at most: the history keeps 0.9. (Lipp adds a tenth of the history to the present, which would leave 82 % of
-// the variance; so it is 5 %.)
-const float kMostTicks = 10.0;
+// the variance; so it is 5 %.) Where nothing moves, and what was kept still fits, there may be more of them.
+const float kMostTicks = 10.0, kMostTicksAtRest = 32.0;
 const float kDeviations = 3.0;
+const float kFits = 0.02;  // relative: so much may be cut of what still fits
 
 vec3 present(ivec2 pixel) {
   const ivec2 last = ivec2(frame.width, frame.height) - 1;
@@ -44,7 +45,7 @@ vec4 meanBefore(vec2 at) {
   if (all(lessThan(f, vec2(1.0 / 256.0)))) return unpackHalf4(imageLoad(images_rg32ui[taa.mean], clamp(corner, ivec2(0), last)).xy);
   const vec4 across = weightsCubic(f.x), down = weightsCubic(f.y);
   vec4 sum = vec4(0.0);
-  float ticks = kMostTicks;
+  float ticks = kMostTicksAtRest;
   for (int y = 0; y < 4; ++y)
     for (int x = 0; x < 4; ++x) {
       const vec4 tap = unpackHalf4(imageLoad(images_rg32ui[taa.mean], clamp(corner + ivec2(x, y) - 1, ivec2(0), last)).xy);
@@ -67,9 +68,11 @@ void main() {
   }
   mean /= 9.0;
   const vec3 reach = kDeviations * sqrt(max(square / 9.0 - mean * mean, vec3(0.0)));
-  vec4 before = meanBefore(vec2(pixel) + motionAround(pixel));
+  const vec2 motion = motionAround(pixel);
+  vec4 before = meanBefore(vec2(pixel) + motion);
   if (!isNumber(before)) before = vec4(0.0);
-  const float ticks = min(before.a + 1.0, kMostTicks);
-  const vec3 fitting = clamp(before.rgb * history.rescale, mean - reach, mean + reach);
+  const vec3 kept = before.rgb * history.rescale, fitting = clamp(kept, mean - reach, mean + reach);
+  const bool rests = motion == vec2(0.0) && all(lessThanEqual(abs(kept - fitting), kFits * kept));
+  const float ticks = min(before.a + 1.0, rests ? kMostTicksAtRest : kMostTicks);
   imageStore(images_rg32ui[taa.resolved], pixel, uvec4(packHalf4(vec4(stored(mix(fitting, here, 1.0 / ticks)), ticks)), 0u, 0u));
 }

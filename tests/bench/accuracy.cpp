@@ -14,6 +14,7 @@
 #include "bench/device.h"
 #include "bench/files.h"
 #include "bench/progress.h"
+#include "bench/settings.h"
 #include "render/metrics/flip.h"
 #include "stream/picture.h"
 
@@ -132,6 +133,13 @@ class Times {
   std::vector<std::pair<std::string, std::vector<double>>> passes_;
 };
 
+/// `name`: axis_setting, or reference.
+Result<void> writePfm(const AccuracyOptions& options, const std::string& name, const Image& image) {
+  if (!options.pfm) return {};
+  return writeFile((fs::path(options.out) / (name + ".pfm")).string(),
+                   stream::encodePfm(image.rgb, image.width, image.height));
+}
+
 Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::ScenePtr& scene,
                                      const scene::NamedCamera& camera, const AccuracySetting& setting,
                                      const References& references, const AccuracyOptions& options) {
@@ -199,6 +207,8 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   }
   times.summariseInto(point);
   point.error = decompose(last, reference.image);
+  if (auto written = writePfm(options, setting.axis + "_" + setting.name, last.back()); !written)
+    return written.error();
   if (options.frames > 1) point.flicker = flicker;
   return point;
 }
@@ -208,8 +218,10 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   std::vector<AccuracySetting> settings;
   const bool all =
       options.axes.empty() || std::find(options.axes.begin(), options.axes.end(), "all") != options.axes.end();
+  render::ViewSettings base = baseSettings(options.width, options.height);
+  if (auto applied = apply(options.settings, base); !applied) return applied;
   for (const std::string& axis : all ? accuracyAxes() : options.axes) {
-    auto of_axis = settingsOf(axis, baseSettings(options.width, options.height));
+    auto of_axis = settingsOf(axis, base);
     if (!of_axis) return of_axis.error();
     settings.insert(settings.end(), of_axis->begin(), of_axis->end());
   }
@@ -236,6 +248,7 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
         meanChange(references->of(1).pixels, reference->pixels, references->motion, options.width, options.height);
   report.reference_noise = reference->noise;
   report.exposure_ev = static_cast<double>(reference->exposure_ev);
+  if (auto written = writePfm(options, "reference", reference->image); !written) return written;
   auto reference_png = png(reference->pixels, options);
   if (!reference_png) return reference_png.error();
   report.reference_png = std::move(*reference_png);
@@ -304,6 +317,8 @@ void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& 
       ->check(CLI::Range(0, 32))
       ->capture_default_str();
   command.add_option("--out", options->out, "a folder for the report")->capture_default_str();
+  addSettingOptions(command, options->settings);
+  command.add_flag("--pfm", options->pfm, "also writes linear radiance: the reference, and each setting's last picture");
   addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {

@@ -30,6 +30,13 @@ Step view(const std::string& name, const std::function<void(ViewSettings&)>& cha
   return {name, [change](AccuracySetting& s) { change(s.view); }};
 }
 
+/// What is left is no noise: what live pictures are of themselves is wrong with them, whatever is done about noise.
+void converge(ViewSettings& view) {
+  view.primary = render::Primary::traced;  // a tick's samples each have their own place in the pixel
+  view.samples = 64;
+  view.accumulate = true;
+}
+
 /// What the controller chooses among.
 std::vector<Step> ladder() {
   std::vector<Step> rungs;
@@ -101,7 +108,9 @@ const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
         view("rays", [](ViewSettings&) {})}},
       {"detail",
        {view("levels", [](ViewSettings& v) { v.levels_of_detail = true; }),
-        view("finest", [](ViewSettings& v) { v.levels_of_detail = false; })}},
+        view("finest", [](ViewSettings& v) { v.levels_of_detail = false; }),
+        view("levels_converged", [](ViewSettings& v) { v.levels_of_detail = true, converge(v); }),
+        view("finest_converged", [](ViewSettings& v) { v.levels_of_detail = false, converge(v); })}},
       {"sampler",
        {view("independent", [](ViewSettings& v) { v.sampler = Sampler::independent; }),
         view("low_discrepancy", [](ViewSettings&) {})}},

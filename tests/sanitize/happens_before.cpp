@@ -1,6 +1,7 @@
 // Tells ThreadSanitizer what orders threads inside gRPC and Abseil, which Debian builds without it: the mutexes of
-// Abseil (also behind gpr_mu), and that a batch of operations is begun before it is done. Loaded with LD_PRELOAD by
-// tests/sanitize/run. With it a race between our threads and gRPC's is found, and what gRPC orders is no race.
+// Abseil (also behind gpr_mu), that a batch of operations is begun before it is done, and that a request is made before
+// it is answered. Loaded with LD_PRELOAD by tests/sanitize/run. With it a race between our threads and gRPC's is found,
+// and what gRPC orders is no race.
 #include <absl/synchronization/mutex.h>
 #include <dlfcn.h>
 #include <grpc/grpc.h>
@@ -146,10 +147,24 @@ extern "C" grpc_call_error grpc_call_start_batch(grpc_call* call, const grpc_op*
   return error;
 }
 
+/// A request is made, and its interceptors with it, by whatever thread finds that a call has arrived; then a queue
+/// without locks takes it to the thread that answers it. One name for all of them: which array is whose request's is
+/// gRPC's secret.
+char requests = 0;
+
+extern "C" void grpc_metadata_array_init(grpc_metadata_array* array) {
+  BEHIND(decltype(&grpc_metadata_array_init), &grpc_metadata_array_init);
+  real(array);
+  release(&requests);
+}
+
 extern "C" grpc_event grpc_completion_queue_next(grpc_completion_queue* queue, gpr_timespec deadline, void* reserved) {
   BEHIND(decltype(&grpc_completion_queue_next), &grpc_completion_queue_next);
   const grpc_event event = real(queue, deadline, reserved);
-  if (event.type == GRPC_OP_COMPLETE) acquire(event.tag);
+  if (event.type == GRPC_OP_COMPLETE) {
+    acquire(event.tag);
+    acquire(&requests);
+  }
   return event;
 }
 

@@ -337,6 +337,91 @@ TEST(CityCatalogue, HousesPivotOnTheGround) {
   }
 }
 
+struct Face {
+  std::array<glm::dvec3, 3> p;
+  glm::dvec3 normal;
+  uint32_t material;
+};
+
+std::vector<Face> facesOf(const Mesh& mesh) {
+  std::vector<Face> faces;
+  for (const Submesh& sub : mesh.submeshes)
+    for (uint32_t i = sub.first_index; i < sub.first_index + sub.index_count; i += 3) {
+      Face face{{}, {}, sub.material};
+      for (uint32_t c = 0; c < 3; ++c) face.p[c] = glm::dvec3(mesh.positions[mesh.indices[i + c]]);
+      const glm::dvec3 area = glm::cross(face.p[1] - face.p[0], face.p[2] - face.p[0]);
+      if (glm::length(area) < 1e-6) continue;
+      face.normal = glm::normalize(area);
+      faces.push_back(face);
+    }
+  return faces;
+}
+
+/// The part of `a` that lies above or below `b`, seen along `b`'s normal: a convex polygon in `a`'s plane.
+std::vector<glm::dvec3> overlap(const Face& a, const Face& b) {
+  std::vector<glm::dvec3> polygon(a.p.begin(), a.p.end());
+  for (size_t c = 0; c < 3 && !polygon.empty(); ++c) {
+    const glm::dvec3 inward = glm::cross(b.normal, b.p[(c + 1) % 3] - b.p[c]);
+    std::vector<glm::dvec3> kept;
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      const glm::dvec3 from = polygon[i], to = polygon[(i + 1) % polygon.size()];
+      const double d0 = glm::dot(inward, from - b.p[c]), d1 = glm::dot(inward, to - b.p[c]);
+      if (d0 >= 0.0) kept.push_back(from);
+      if ((d0 < 0.0) != (d1 < 0.0)) kept.push_back(from + (to - from) * (d0 / (d0 - d1)));
+    }
+    polygon = std::move(kept);
+  }
+  return polygon;
+}
+
+double areaOf(const std::vector<glm::dvec3>& polygon) {
+  glm::dvec3 twice(0.0);
+  for (size_t i = 2; i < polygon.size(); ++i) twice += glm::cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+  return 0.5 * glm::length(twice);
+}
+
+/// A face lies over `point`, less than 20 m away on the side that `normal` tells.
+bool covered(const std::vector<Face>& faces, glm::dvec3 point, glm::dvec3 normal) {
+  constexpr double kGap = 2e-3, kReach = 20.0;
+  return std::any_of(faces.begin(), faces.end(), [&](const Face& face) {
+    const double slope = glm::dot(face.normal, normal);
+    if (std::abs(slope) < 1e-9) return false;
+    const double distance = glm::dot(face.normal, face.p[0] - point) / slope;
+    if (distance < kGap || distance > kReach) return false;
+    const glm::dvec3 there = point + distance * normal;
+    for (size_t c = 0; c < 3; ++c)
+      if (glm::dot(glm::cross(face.normal, face.p[(c + 1) % 3] - face.p[c]), there - face.p[c]) < 0.0) return false;
+    return true;
+  });
+}
+
+// Where two materials share a place, whichever the rasteriser or a ray finds first is shown: they need not agree, and
+// what looks back sees another surface in each tick.
+TEST(CityCatalogue, NoTwoMaterialsShareAPlace) {
+  constexpr double kApart = 2e-3, kNotable = 0.02;  // metres, square metres
+  const Scene& s = cityOf(1, 1'000);
+  for (const Prefab& p : s.prefabs) {
+    if (p.category == "terrain") continue;
+    const std::vector<Face> faces = facesOf(s.meshes[p.mesh]);
+    std::map<std::pair<uint32_t, uint32_t>, double> shared;
+    for (size_t i = 0; i < faces.size(); ++i)
+      for (size_t k = i + 1; k < faces.size(); ++k) {
+        const Face &a = faces[i], &b = faces[k];
+        if (a.material == b.material || glm::dot(a.normal, b.normal) < 0.9999) continue;
+        if (std::abs(glm::dot(b.normal, a.p[0] - b.p[0])) > kApart) continue;
+        const std::vector<glm::dvec3> common = overlap(a, b);
+        const double area = areaOf(common);
+        if (area < 1e-4) continue;
+        glm::dvec3 middle(0.0);
+        for (const glm::dvec3& corner : common) middle += corner / static_cast<double>(common.size());
+        if (!covered(faces, middle, b.normal)) shared[{a.material, b.material}] += area;
+      }
+    for (const auto& [materials, area] : shared)
+      EXPECT_LT(area, kNotable) << p.name << ": square metres of " << s.materials[materials.first].name << " and "
+                                << s.materials[materials.second].name;
+  }
+}
+
 TEST(CityCatalogue, MaterialsArePhysical) {
   bool mirror = false;
   for (const Material& m : cityOf(1, 1'000).materials) {

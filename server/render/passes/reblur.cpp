@@ -51,6 +51,7 @@ void Reblur::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/
   pass.graph.add(
       "reblur_temporal", pass.owner,
       {{&h.spare, gpu::use::compute_read},
+       {&h.surface(), gpu::use::compute_write},
        {&h.filtered, gpu::use::compute_read},
        {&h.samples, gpu::use::compute_read},
        {&h.stabilised, gpu::use::compute_read},

@@ -36,7 +36,7 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
   // light.
   pass.graph.add("svgf_temporal", pass.owner,
                  {{&h.motion, gpu::use::compute_read},
-                  {&h.surface(), gpu::use::compute_read},
+                  {&h.surface(), gpu::use::compute_write},
                   {&h.filtered, gpu::use::compute_read},
                   {&h.moments, gpu::use::compute_read},
                   {&h.gradients, gpu::use::compute_read},
