@@ -37,6 +37,31 @@ LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 sa
   return LobeLight(vec3[](light[0] / sum, light[1] / sum), sqrt(variance));
 }
 
+// One sample in a million is a thousand times as bright as what is around it (the sun, found by chance in a window): it would stay in the
+// mean for good, and no filter could take it. So a mean may be so many times as bright as those of like geometry and sunlight two
+// pixels off, if there are enough of them. Biased: what lights a single pixel comes out darker.
+const float kMostOverSurroundings = 8.0, kEnoughAround = 2.0;
+
+vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
+  vec2 around = vec2(0.0);
+  float sum = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), at = pixel + offset;
+    if (i == 4 || !inPicture(at)) continue;
+    const SurfaceTexel there = readSurface(history.surface, at);
+    const float w = geometryWeight(here, there, gradient, length(vec2(offset))) * sunlitWeight(here, there, samples);
+    const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
+    around += w * vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y)));
+    sum += w;
+  }
+  if (sum < kEnoughAround) return light;
+  for (uint s = 0u; s < kSignals; ++s) {
+    const float l = luminance(light[s]), most = kMostOverSurroundings * around[s] / sum;
+    if (l > most) light[s] *= most / l;
+  }
+  return light;
+}
+
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
@@ -45,10 +70,12 @@ void main() {
   const vec2 samples = imageLoad(images_rg16f[history.spare_deviation], pixel).xy;
   imageStore(images_rg32ui[history.moments], pixel, uvec4(moments, 0u, 0u));
   imageStore(images_rg16f[history.samples], pixel, vec4(samples, 0.0, 0.0));
-  if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(imageLoad(images_rg32ui[filter_.source], pixel).xy, 0u, 0u));
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
+  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
+  if (here.depth > 0.0) light.rgb = withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
+  if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
-    const LobeLight around = overNeighbours(pixel, here, imageLoad(images_rgba16f[history.motion], pixel).w, samples);
+    const LobeLight around = overNeighbours(pixel, here, gradient, samples);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
       light.rgb[s] = around.rgb[s];

@@ -318,7 +318,8 @@ void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& 
       ->capture_default_str();
   command.add_option("--out", options->out, "a folder for the report")->capture_default_str();
   addSettingOptions(command, options->settings);
-  command.add_flag("--pfm", options->pfm, "also writes linear radiance: the reference, and each setting's last picture");
+  command.add_flag("--pfm", options->pfm,
+                   "also writes linear radiance: the reference, and each setting's last picture");
   addDeviceOptions(command, options->renderer);
   command.add_flag("--json", options->json, "print one JSON document");
   command.callback([options, command_line, &chosen] {
