@@ -81,7 +81,7 @@ void judge(ivec2 pixel, SurfaceTexel here, out vec2 mean, out vec2 reach) {
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
-  const SurfaceTexel here = readSurface(history.surface, pixel);
+  SurfaceTexel here = readSurface(history.surface, pixel);
   Lobes light = readLobes(filter_.source, pixel);
   vec2 ticks = vec2(0.0);
   if (here.depth > 0.0) {
@@ -93,18 +93,20 @@ void main() {
       vec2 mean, reach;
       judge(pixel, here, mean, reach);
       const vec2 most = vec2(history.most_samples, mostSpecularTicks(pixel, here));
+      const float sunlit_before = before.sunlit / before.weight;
+      if (dropped) here.sunlit = sunlit_before;
+      const float moved = shadowMoved(here, sunlit_before);
       for (uint s = 0u; s < kSignals; ++s) {
         const vec3 known = before.light.rgb[s] * (history.rescale / before.weight);
         const float l = luminance(known), fitting = clamp(l, mean[s] - reach[s], mean[s] + reach[s]);
         const float off = abs(l - fitting) / max(max(l, fitting), 1e-6);
-        const float gathered = min(before.ticks[s] / before.weight, most[s] - 1.0) * (1.0 - off);
+        const float gathered = min(before.ticks[s] / before.weight, most[s] - 1.0) * (1.0 - max(off, moved));
         ticks[s] = gathered + (dropped ? 0.0 : 1.0);
         const vec3 brought = l > 1e-6 ? known * (fitting / l) : known + (fitting - l);
         light.rgb[s] = dropped ? brought : mix(brought, light.rgb[s], 1.0 / max(ticks[s], 1.0));
       }
-      const float sunlit = mix(before.sunlit / before.weight, here.sunlit, dropped ? 0.0 : 1.0 / max(ticks.x, 1.0));
       // Neighbours that judge look at the texel too, but not at these bits.
-      keepSunlit(pixel, sunlit, randomAt(uvec2(pixel), history.tick, 25u).x);
+      keepSunlit(pixel, here, sunlit_before, 1.0 / max(ticks.x, 1.0), randomAt(uvec2(pixel), history.tick, 25u).x);
     }
   }
   writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 24u).x);

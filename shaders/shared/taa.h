@@ -9,7 +9,6 @@ struct TaaConstants {
   uint64_t frame;  // FrameConstants
   uint mean;       // rg32ui: packHalf4() of the mean over the ticks before, times the unit; a: ticks in it
   uint resolved;   // rg32ui: with this tick, before it takes the mean's place
-  uint ripens;     // 1: pictures are the better the longer ago the cold start is: a denoiser makes them
 };
 
 HELIO_SHARED_END

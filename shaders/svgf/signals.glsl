@@ -40,8 +40,13 @@ float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixel
 float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) {
   return exp(-abs(a.sunlit - b.sunlit) / (0.05 + 0.25 / max(samples, 1.0)));
 }
-// The mean over ticks takes the place of what this tick's samples found.
-void keepSunlit(ivec2 pixel, float sunlit, float chance) {
+// A shadow has come to where there was none for long, or left: light from before is not to be mixed with this tick's. Penumbras are in
+// between, and their means too. 1: so it is, 0: it is not.
+float shadowMoved(SurfaceTexel here, float sunlit_before) { return abs(here.sunlit - sunlit_before) > 0.9 ? 1.0 : 0.0; }
+// The mean over ticks takes the place of what this tick's samples found. `share`: of this tick. Where a shadow moved the mean goes half
+// the way: should it have been a penumbra's rare sample, the next one will not be taken for another shadow.
+void keepSunlit(ivec2 pixel, SurfaceTexel here, float before, float share, float chance) {
+  const float sunlit = mix(before, here.sunlit, shadowMoved(here, before) > 0.0 ? 0.5 : share);
   const uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface.x, withSunlit(surface.y, sunlit, chance), 0u, 0u));
 }

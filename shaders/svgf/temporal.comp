@@ -76,15 +76,17 @@ vec2 changeOf(ivec2 pixel) {
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
-  const SurfaceTexel here = readSurface(history.surface, pixel);
+  SurfaceTexel here = readSurface(history.surface, pixel);
   LobeLight integrated = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(0.0));
   vec4 moments = vec4(0.0);
   vec2 samples = vec2(0.0);
   if (here.depth > 0.0) {
-    const vec2 change = changeOf(pixel);
     const History before = lookBack(pixel, here);
     const LobeLight sampled = sampledLight(pixel);
     const bool dropped = sampled.deviation.x == 0.0, known = before.weight > 0.0;
+    const float sunlit_before = known ? before.sunlit / before.weight : here.sunlit;
+    if (dropped) here.sunlit = sunlit_before;
+    const vec2 change = max(changeOf(pixel), vec2(shadowMoved(here, sunlit_before)));
     const float scale = known ? history.rescale / before.weight : 0.0;
     for (uint s = 0u; s < kSignals; ++s) {
       const float count = known ? before.samples[s] / before.weight * (1.0 - change[s]) : 0.0;
@@ -103,9 +105,7 @@ void main() {
       moments[2u * s] = min(m.x, kMostStored);
       moments[2u * s + 1u] = min(deviation, kMostStored);
     }
-    const float share = known ? mix(max(1.0 / max(samples.x, 1.0), kLeastShare), 1.0, maxComponent(vec3(change, 0.0))) : 1.0;
-    const float sunlit = known ? mix(before.sunlit / before.weight, here.sunlit, dropped ? 0.0 : share) : here.sunlit;
-    keepSunlit(pixel, sunlit, randomAt(uvec2(pixel), history.tick, 2u).x);
+    keepSunlit(pixel, here, sunlit_before, max(1.0 / max(samples.x, 1.0), kLeastShare), randomAt(uvec2(pixel), history.tick, 2u).x);
   }
   writeLight(history.sampled, history.sampled_deviation, pixel, integrated, randomAt(uvec2(pixel), history.tick, 0u).x);
   // Neighbours may still look at those of the tick before.

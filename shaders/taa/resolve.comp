@@ -74,7 +74,5 @@ void main() {
   const vec3 kept = before.rgb * history.rescale, fitting = clamp(kept, mean - reach, mean + reach);
   const bool rests = motion == vec2(0.0) && all(lessThanEqual(abs(kept - fitting), kFits * kept));
   const float ticks = min(before.a + 1.0, rests ? kMostTicksAtRest : kMostTicks);
-  // All ticks count alike; of a denoiser's the nth counts n times, since it is a mean of n ticks by itself.
-  const float share = taa.ripens != 0u ? 2.0 / (ticks + 1.0) : 1.0 / ticks;
-  imageStore(images_rg32ui[taa.resolved], pixel, uvec4(packHalf4(vec4(stored(mix(fitting, here, share)), ticks)), 0u, 0u));
+  imageStore(images_rg32ui[taa.resolved], pixel, uvec4(packHalf4(vec4(stored(mix(fitting, here, 1.0 / ticks)), ticks)), 0u, 0u));
 }

@@ -16,8 +16,7 @@ void Taa::add(const ViewPass& pass) const {
                  [this, &view](gpu::Commands& commands) {
                    const Histories& images = view.histories;
                    const shared::TaaConstants constants{view.constants.address(), images.antialiased.slot(),
-                                                        images.resolved().slot(),
-                                                        view.settings().denoiser != Denoiser::none};
+                                                        images.resolved().slot()};
                    commands.bind(resolve_);
                    commands.push(constants);
                    dispatchOver(commands, view, 8);
