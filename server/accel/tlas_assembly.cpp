@@ -9,6 +9,9 @@ namespace helio::accel {
 namespace {
 static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInstanceKHR));
 
+/// Ticks for which a smaller bucket must do before a little is given back; much is given back at once.
+constexpr uint32_t kPatience = 20;
+
 /// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
   uint32_t step = 64;
@@ -56,7 +59,12 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
   const uint32_t capacity = bucketAbove(count + count / 8);
-  if (count <= capacity_ && 8 * capacity_ <= 9 * capacity) return;
+  if (count <= capacity_) {
+    roomy_ticks_ = capacity < capacity_ ? roomy_ticks_ + 1 : 0;
+    const bool much = 8 * capacity_ > 9 * capacity;
+    if (!much && roomy_ticks_ < kPatience) return;
+  }
+  roomy_ticks_ = 0;
   gpu::Buffer instances(
       device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
                 gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});

@@ -16,6 +16,7 @@ class TlasAssembly {
 
   /// Chooses the blocks of the order that the strategy does not rule out, and sizes the instance buffer for them: the
   /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
+  /// Gives back what edits leave over, once they have been over for a while.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
   /// The same for so many entries, which somebody else writes to output().
   void reserve(gpu::Commands& commands, uint32_t count);
@@ -44,6 +45,7 @@ class TlasAssembly {
   std::vector<shared::CullVolume> volumes_;
   bool culls_ = false;
   uint32_t capacity_ = 0;
+  uint32_t roomy_ticks_ = 0;  // for which a smaller capacity would have done
 };
 
 }  // namespace helio::accel

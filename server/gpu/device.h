@@ -78,7 +78,6 @@ class Device {
   Bindless& bindless() { return bindless_; }
   VkPipelineLayout pipelineLayout() const { return pipeline_layout_; }  ///< one for all: set 0 and push constants
   uint32_t queueFamily(Queue queue = Queue::main) const { return lane(queue).family; }
-  bool hasAsyncQueue() const { return lane(Queue::async).handle != lane(Queue::main).handle; }
   double timestampPeriodNs() const { return timestamp_period_; }
   const VkPhysicalDeviceRayTracingPipelinePropertiesKHR& rayTracing() const { return ray_tracing_; }
   uint32_t scratchAlignment() const { return scratch_alignment_; }

@@ -33,7 +33,7 @@ class VulkanRenderer final : public Renderer {
     return guarded([&]() -> Result<WorldHandle> {
       auto world = std::make_shared<WorldRenderer>(device_, passes_, std::move(scene));
       world->setOneCallABlas(options_.one_call_a_blas);
-      if (options_.builds_aside) world->setBuildsAside(*options_.builds_aside);
+      world->setBuildsAside(options_.builds_aside);
       if (options_.culling != Culling::full) world->setCulling(options_.culling, options_.culling_settings);
       const WorldHandle handle = ++next_handle_;
       const std::unique_lock lock(mutex_);

@@ -329,12 +329,13 @@ Result<void> check(const CullingSettings& settings);
 struct RendererOptions {
   std::string
       device;  ///< part of a device's name, "cpu", "gpu", or "" (the environment's HELIOGRAPH_DEVICE, then the best)
-  bool validation = false;           ///< Khronos validation layer: errors are logged and counted
-  bool strict_validation = false;    ///< tests: a validation error makes the next tick fail
-  std::optional<bool> builds_aside;  ///< acceleration structures are built beside what is rasterised; default: where
-                                     ///< the device has a queue for it (without one, both take turns on one queue)
-  bool one_call_a_blas = false;      ///< BLASes of instances' own are built one by one: to measure what the batch saves
-  Culling culling = Culling::full;   ///< with which worlds begin
+  bool validation = false;         ///< Khronos validation layer: errors are logged and counted
+  bool strict_validation = false;  ///< tests: a validation error makes the next tick fail
+  /// Acceleration structures are built beside what is rasterised, on the device's compute queue (without one, both take
+  /// turns on one queue). On the H200 queues that wait for each other cost more than hides (tests/bench/README.md).
+  bool builds_aside = false;
+  bool one_call_a_blas = false;     ///< BLASes of instances' own are built one by one: to measure what the batch saves
+  Culling culling = Culling::full;  ///< with which worlds begin
   CullingSettings culling_settings;
   bool strict_numerics = false;  ///< a sample that is dropped makes its tick fail (internal), and the error says where
 };

@@ -59,9 +59,7 @@ class View {
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
   bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }
   /// Samples look at different points of their pixel, be it from tick to tick.
-  bool spreadsSamples() const {
-    return settings_.technique != Technique::whitted && (settings_.taa || accumulating());
-  }
+  bool spreadsSamples() const { return settings_.technique != Technique::whitted && (settings_.taa || accumulating()); }
   /// After a tick that failed: everything is made anew at the next.
   void forget() {
     pixels = {};

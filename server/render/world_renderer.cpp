@@ -61,7 +61,6 @@ WorldRenderer::WorldRenderer(std::shared_ptr<gpu::Device> device, Passes& passes
       scene_(std::move(scene)),
       commands_(*device_),
       async_(*device_, gpu::Queue::async),
-      builds_aside_(device_->hasAsyncQueue()),
       resources_(*device_, commands_, *scene_),
       instances_(*device_, *scene_, resources_.emitterPower(), effects::emitterWeight),
       clips_(uploadClips(*device_, commands_, *scene_)),

@@ -90,7 +90,7 @@ class WorldRenderer {
   Passes& passes_;
   scene::ScenePtr scene_;
   gpu::Commands commands_, async_;
-  bool builds_aside_;  // on async_
+  bool builds_aside_ = false;  // on async_
   SceneResources resources_;
   accel::InstanceTable instances_;
   accel::ClipTable clips_;

@@ -80,7 +80,7 @@ uint packLight(vec3 c, float chance) {
 uint packLight(vec3 c) { return packLight(c, 0.5); }
 vec3 unpackLight(uint light) {
   const uvec3 q = uvec3(light & 511u, light >> 9 & 511u, light >> 18 & 511u);
-  return ldexp(vec3(q), ivec3(int(light >> 27) - 24));
+  return vec3(q) * uintBitsToFloat((light >> 27) + 127u - 24u << 23);  // a power of two
 }
 
 // Four 16-bit floats in two words.

@@ -299,10 +299,8 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--counted-paths", options->counted_paths, "of lipac: paths a tick that count, at most")
       ->capture_default_str()
       ->check(CLI::Range(1024, 16'777'216).description(""));
-  command.add_flag(
-      "--builds-aside,!--builds-in-order", options->builds_aside,
-      "acceleration structures are built beside what is rasterised, or before it; default: beside it where "
-      "the device has a queue for that");
+  command.add_flag("--builds-aside", options->builds_aside,
+                   "acceleration structures are built beside what is rasterised, and not before it");
   command.add_flag("--one-call-a-blas", options->one_call_a_blas,
                    "builds BLASes of instances' own one by one: what the batch saves");
   command.add_option("--pictures", options->pictures, "folder for each strategy's picture and its error as PNG");

@@ -22,7 +22,7 @@ struct CullingOptions {
   std::vector<std::string> strategies = {"full", "frustum_radius"};
   std::string pictures;               ///< a folder for each strategy's picture and its error; empty: none
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
-  std::optional<bool> builds_aside;   ///< on a queue of their own; default: where the device has one
+  bool builds_aside = false;          ///< on a queue of their own, where the device has one
   uint32_t counted_paths = accel::LipacSettings{}.counted_paths;
   bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one
   std::string device;

@@ -1,0 +1,107 @@
+// Shadows of the sun behind a denoiser: small ones stay, and those that move are where they are, not where they were.
+#include <cstdio>
+
+#include "denoise/pictures.h"
+
+namespace helio::test {
+namespace {
+
+using render::Denoiser;
+
+const scene::Camera kAbove = lookAt({0.0f, 2.2f, 0.01f}, {0.0f, 0.0f, 0.0f});
+constexpr world::InstanceId kCaster = 2;
+constexpr float kFarAside = 30.0f;
+
+/// A floor under the sun and a lamp whose light is noisy, since a hundred others far off are drawn as often; the
+/// instance kCaster is a cube of `side` metres that floats out of sight and throws its shadow on the floor.
+scene::ScenePtr floorUnderTheSun(float side) {
+  SceneBuilder b;
+  b.place(b.prefab("floor", quad(30.0f), b.material(lambert(glm::vec3(0.6f)))));
+  b.place(b.prefab("caster", cube(), b.material(lambert(glm::vec3(0.5f)))), at({kFarAside, 0.5f, 0.0f}, side));
+  const uint32_t lamp = b.prefab("lamp", sphere(4), b.material(lambert(glm::vec3(0.3f), glm::vec3(40.0f))));
+  b.place(lamp, at({-1.5f, 2.5f, 2.5f}, 0.1f));
+  for (int i = 0; i < 100; ++i) b.place(lamp, at({200.0f + static_cast<float>(i), 2.0f, 200.0f}, 0.1f));
+  b.environment().sun = {glm::normalize(glm::vec3(0.3f, -1.0f, -0.2f)), glm::vec3(3.0f), 0.0093f};
+  b.environment().sky = {glm::vec3(0.05f), glm::vec3(0.05f)};
+  return b.build();
+}
+
+void moveTo(Stage& stage, float x, float side) {
+  stage.edit({world::Move{kCaster, {glm::vec3(x, 0.5f, 0.0f), glm::quat(1, 0, 0, 0), side}}});
+}
+
+double luma(const render::Frame& frame, size_t pixel) {
+  return 0.2126 * static_cast<double>(frame.radiance[3 * pixel]) +
+         0.7152 * static_cast<double>(frame.radiance[3 * pixel + 1]) +
+         0.0722 * static_cast<double>(frame.radiance[3 * pixel + 2]);
+}
+
+/// Mean luminance of `shown` over that of `expected`, where `expected` is darker or brighter than half of its
+/// brightest.
+struct Shares {
+  double in_shadow = 0.0, in_light = 0.0;
+  size_t shadow_pixels = 0;
+};
+Shares compare(const render::Frame& shown, const render::Frame& expected) {
+  double brightest = 0.0, found[2] = {}, truth[2] = {};
+  const size_t pixels = expected.radiance.size() / 3;
+  for (size_t i = 0; i < pixels; ++i) brightest = std::max(brightest, luma(expected, i));
+  Shares shares;
+  for (size_t i = 0; i < pixels; ++i) {
+    const bool lit = luma(expected, i) > 0.5 * brightest;
+    shares.shadow_pixels += !lit;
+    found[lit] += luma(shown, i);
+    truth[lit] += luma(expected, i);
+  }
+  shares.in_shadow = found[0] / truth[0];
+  shares.in_light = found[1] / truth[1];
+  return shares;
+}
+
+class Shadows : public testing::TestWithParam<Denoiser> {};
+
+TEST_P(Shadows, OfSmallThingsStay) {
+  constexpr float kSide = 0.2f;  // some four pixels
+  Stage reference(floorUnderTheSun(kSide)), stage(floorUnderTheSun(kSide));
+  moveTo(reference, 0.0f, kSide);
+  moveTo(stage, 0.0f, kSide);
+  render::ViewSettings settings = live(Denoiser::none);
+  settings.accumulate = true;
+  settings.samples = 16;
+  const render::Frame expected = reference.accumulate(kAbove, settings, 16);
+  const Shares shares = compare(stage.accumulate(kAbove, live(GetParam()), 8), expected);
+  std::printf("%zu pixels of shadow have %.2f of their light, the others %.3f\n", shares.shadow_pixels,
+              shares.in_shadow, shares.in_light);
+  EXPECT_GT(shares.shadow_pixels, 5u);
+  EXPECT_LT(shares.in_shadow, 1.6);
+  EXPECT_NEAR(shares.in_light, 1.0, 0.05);
+}
+
+TEST_P(Shadows, ThatMoveAreThereAtOnceAndLeaveNothing) {
+  constexpr float kSide = 0.7f, kFrom = -0.8f, kTo = 0.8f;  // metres: it leaves its shadow behind
+  Stage reference(floorUnderTheSun(kSide)), stage(floorUnderTheSun(kSide));
+  moveTo(reference, kTo, kSide);
+  moveTo(stage, kFrom, kSide);
+  render::ViewSettings settings = live(Denoiser::none);
+  settings.accumulate = true;
+  settings.samples = 16;
+  const render::Frame expected = reference.accumulate(kAbove, settings, 16);
+  stage.accumulate(kAbove, live(GetParam()), 16);
+  moveTo(stage, kTo, kSide);
+  const Shares shares = compare(stage.tick(kAbove, live(GetParam())), expected);
+  std::printf("%zu pixels of shadow have %.2f of their light, the others %.3f\n", shares.shadow_pixels,
+              shares.in_shadow, shares.in_light);
+  EXPECT_GT(shares.shadow_pixels, 50u);
+  EXPECT_LT(shares.in_shadow, 1.6);
+  EXPECT_NEAR(shares.in_light, 1.0, 0.025);
+}
+
+INSTANTIATE_TEST_SUITE_P(Denoise, Shadows, testing::Values(Denoiser::svgf, Denoiser::asvgf, Denoiser::reblur),
+                         [](const auto& info) {
+                           return info.param == Denoiser::svgf    ? "svgf"
+                                  : info.param == Denoiser::asvgf ? "asvgf"
+                                                                  : "reblur";
+                         });
+
+}  // namespace
+}  // namespace helio::test
