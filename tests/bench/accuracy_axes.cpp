@@ -30,7 +30,7 @@ Step view(const std::string& name, const std::function<void(ViewSettings&)>& cha
   return {name, [change](AccuracySetting& s) { change(s.view); }};
 }
 
-/// What is left is no noise: what live pictures are of themselves is wrong with them, whatever is done about noise.
+/// What is left then is no noise: live pictures are off by so much, whatever a denoiser does.
 void converge(ViewSettings& view) {
   view.primary = render::Primary::traced;  // a tick's samples each have their own place in the pixel
   view.samples = 64;

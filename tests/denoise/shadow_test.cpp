@@ -93,7 +93,7 @@ TEST_P(Shadows, ThatMoveAreThereAtOnceAndLeaveNothing) {
               shares.in_shadow, shares.in_light);
   EXPECT_GT(shares.shadow_pixels, 50u);
   EXPECT_LT(shares.in_shadow, 1.6);
-  EXPECT_NEAR(shares.in_light, 1.0, 0.025);
+  EXPECT_NEAR(shares.in_light, 1.0, 0.0125);
 }
 
 INSTANTIATE_TEST_SUITE_P(Denoise, Shadows, testing::Values(Denoiser::svgf, Denoiser::asvgf, Denoiser::reblur),
