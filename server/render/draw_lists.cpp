@@ -11,7 +11,9 @@ namespace helio::render {
 namespace {
 
 constexpr gpu::Use kCompute = gpu::use::compute_write;
-constexpr uint64_t kCommandBytes = sizeof(shared::DrawCommand) + sizeof(uint32_t);  // with its record
+constexpr uint64_t kCommandBytes = shared::kCommandBytes + shared::kCommandRecordBytes;
+static_assert(sizeof(shared::DrawCommand) == shared::kCommandBytes &&
+              sizeof(shared::DrawCommand) == sizeof(VkDrawIndexedIndirectCommand));
 
 }  // namespace
 
@@ -38,6 +40,7 @@ void DrawLists::cull(gpu::Commands& commands, const CullPipelines& pipelines, co
                      std::span<const shared::DrawVolume> volumes, VkDeviceAddress filter) {
   volume_count_ = static_cast<uint32_t>(volumes.size());
   draws_ = scene.drawCount();
+  indices_ = scene.drawIndices().handle();
   solid_draws_ = scene.solidDraws();
   const uint64_t count = table.count(), groups = (count + shared::kCullGroup - 1) / shared::kCullGroup;
   const uint64_t keys_at = 0, slots_at = keys_at + 4 * count * volume_count_,
@@ -91,8 +94,9 @@ void DrawLists::draw(gpu::Commands& commands, uint32_t volume, bool masks, share
   commands.push(constants);
   const uint64_t count_at = counts_at_ + sizeof(shared::DrawCounts) * volume +
                             (masks ? offsetof(shared::DrawCounts, masked) : offsetof(shared::DrawCounts, solid));
-  vkCmdDrawIndirectCount(commands.handle(), commands_.handle(), table + sizeof(shared::DrawCommand) * first,
-                         commands_.handle(), count_at, most, sizeof(shared::DrawCommand));
+  vkCmdBindIndexBuffer(commands.handle(), indices_, 0, VK_INDEX_TYPE_UINT32);
+  vkCmdDrawIndexedIndirectCount(commands.handle(), commands_.handle(), table + sizeof(shared::DrawCommand) * first,
+                                commands_.handle(), count_at, most, sizeof(shared::DrawCommand));
 }
 
 void DrawLists::readBack(gpu::Commands& commands) const {

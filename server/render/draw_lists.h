@@ -51,6 +51,7 @@ class DrawLists {
   void reserve(gpu::Commands& commands, uint64_t work_bytes, uint64_t command_bytes);
 
   gpu::Buffer volumes_, work_, commands_, counts_readback_;
+  VkBuffer indices_ = VK_NULL_HANDLE;  // the scene's
   uint32_t volume_count_ = 0, draws_ = 0, solid_draws_ = 0;
   VkDeviceAddress slots_ = 0, records_ = 0;
   uint64_t slot_bytes_ = 0;  // of a volume

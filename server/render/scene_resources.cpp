@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <span>
+#include <tuple>
 
 #include <glm/gtc/packing.hpp>
 
@@ -45,6 +47,40 @@ VertexOrder vertexOrder(const scene::Mesh& mesh) {
   order.places.resize(order.vertices.size());
   for (uint32_t place = 0; place < order.vertices.size(); ++place) order.places[order.vertices[place]] = place;
   return order;
+}
+
+/// For each vertex the first that lies where it does in every pose. The rasteriser asks for no more than that of what
+/// is solid, so corners that differ in their normals alone are worked on once.
+std::vector<uint32_t> firstInPlace(const scene::Mesh& mesh, const VertexOrder& order) {
+  const auto place = [&mesh](uint32_t i) {
+    const glm::vec3& p = mesh.positions[i];
+    return std::tie(p.x, p.y, p.z);
+  };
+  const auto pose = [&mesh](uint32_t i) {
+    std::vector<float> values;
+    if (!mesh.skin.empty())
+      for (int k = 0; k < 4; ++k) {
+        values.push_back(mesh.skin[i].joints[k]);
+        values.push_back(mesh.skin[i].weights[k]);
+      }
+    for (const scene::MorphTarget& target : mesh.morph_targets)
+      if (!target.positions.empty())
+        for (int k = 0; k < 3; ++k) values.push_back(target.positions[i][k]);
+    return values;
+  };
+  const auto before = [&](uint32_t a, uint32_t b) {
+    return place(a) != place(b) ? place(a) < place(b) : pose(a) < pose(b);
+  };
+  std::vector<uint32_t> sorted(mesh.positions.size());  // places in the order of upload
+  std::iota(sorted.begin(), sorted.end(), 0u);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](uint32_t a, uint32_t b) { return before(order.vertex(a), order.vertex(b)); });
+  std::vector<uint32_t> first(sorted.size());
+  for (size_t i = 0; i < sorted.size(); ++i) {
+    const bool new_place = i == 0 || before(order.vertex(sorted[i - 1]), order.vertex(sorted[i]));
+    first[sorted[i]] = new_place ? sorted[i] : first[sorted[i - 1]];
+  }
+  return first;
 }
 
 /// Slots of the bindless set by index of the scene's textures.
@@ -118,9 +154,9 @@ VkSamplerAddressMode addressMode(scene::Wrap wrap) {
 
 template <typename T>
 gpu::Buffer uploaded(gpu::Device& device, gpu::Commands& commands, const std::string& name, const std::vector<T>& items,
-                     gpu::MemoryCategory category = gpu::MemoryCategory::raster) {
-  gpu::Buffer buffer(device, {name, items.size() * sizeof(T), category, gpu::Placement::device,
-                              VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
+                     gpu::MemoryCategory category = gpu::MemoryCategory::raster,
+                     VkBufferUsageFlags usage = VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR) {
+  gpu::Buffer buffer(device, {name, items.size() * sizeof(T), category, gpu::Placement::device, usage});
   commands.upload<T>(buffer, 0, items);
   return buffer;
 }
@@ -148,6 +184,8 @@ struct SceneResources::Tables {
   std::vector<size_t> first_vertex, vertex_count;  // by mesh
   std::vector<std::vector<size_t>> first_index;    // by mesh, by level
   std::vector<VkDeviceAddress> extras, deforms;    // by mesh
+  std::vector<std::vector<uint32_t>> placed;       // by mesh: firstInPlace()
+  std::vector<uint32_t> draw_indices;              // as all indices, but solid triangles of vertices first in place
   effects::EmitterTriangles emitters;
 
   std::vector<shared::GeometryRecord> geometries;
@@ -189,7 +227,8 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
     shared::GeometryRecord geometry{};
     geometry.positions = positions_.address() + tables.first_vertex[m] * sizeof(glm::vec3);
     geometry.attributes = attributes_.address() + tables.first_vertex[m] * sizeof(shared::VertexAttributes);
-    geometry.indices = indices_.address() + (tables.first_index[m][level] + submesh.first_index) * sizeof(uint32_t);
+    const auto first_index = static_cast<uint32_t>(tables.first_index[m][level] + submesh.first_index);
+    geometry.indices = indices_.address() + uint64_t{first_index} * sizeof(uint32_t);
     geometry.extras = tables.extras[m];
     geometry.material = submesh.material;
     geometry.emitter_offset = emitters.count ? emitters.geometry_offset[g] : shared::kNoTexture;
@@ -199,7 +238,11 @@ void SceneResources::addLevel(gpu::Device& device, const scene::Scene& scene, ui
     shape.geometries.push_back({geometry.positions, vertex_count, geometry.indices, submesh.index_count / 3, !cut_out});
     if (submesh.index_count > 0)
       (cut_out ? tables.masked : tables.solid)
-          .push_back({geometry.positions, geometry.indices, submesh.index_count, m, level, g});
+          .push_back({geometry.positions, first_index, submesh.index_count, m, level, g});
+    if (cut_out) continue;
+    const std::vector<uint32_t>& drawn = tables.placed[m];
+    for (uint32_t i = first_index; i < first_index + submesh.index_count; ++i)
+      tables.draw_indices[i] = drawn[tables.draw_indices[i]];
   }
   join(shape.geometries);
   if (mesh.deforms()) {  // every instance has a BLAS of its own
@@ -220,6 +263,8 @@ void SceneResources::uploadDraws(gpu::Device& device, gpu::Commands& commands, c
   draws.insert(draws.end(), tables.masked.begin(), tables.masked.end());
   draw_count_ = static_cast<uint32_t>(draws.size());
   draw_records_ = uploaded(device, commands, "the draw table", draws);
+  draw_indices_ = uploaded(device, commands, "what is drawn of each triangle", tables.draw_indices,
+                           gpu::MemoryCategory::raster, VK_BUFFER_USAGE_INDEX_BUFFER_BIT);
   std::vector<shared::CullMesh> meshes;
   for (const scene::Mesh& mesh : scene.meshes) {
     shared::CullMesh& cull = meshes.emplace_back();
@@ -252,6 +297,7 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
                               " triangles, the limit is " + std::to_string(kMaxTriangles) + ": split it",
                           "mesh", mesh.name, std::to_string(kMaxTriangles)});
     const VertexOrder& order = tables.orders.emplace_back(vertexOrder(mesh));
+    tables.placed.push_back(firstInPlace(mesh, order));
     tables.first_vertex.push_back(positions.size());
     const auto vertices = static_cast<uint32_t>(mesh.positions.size());
     for (uint32_t i = 0; i < vertices; ++i) {
@@ -269,6 +315,7 @@ SceneResources::SceneResources(gpu::Device& device, gpu::Commands& commands, con
   positions_ = uploaded(device, commands, "vertex positions", positions);
   attributes_ = uploaded(device, commands, "vertex attributes", attributes);
   indices_ = uploaded(device, commands, "triangle indices", indices);
+  tables.draw_indices = std::move(indices);
   tables.extras = uploadExtras(device, commands, scene, tables.orders);
   tables.deforms = uploadDeforms(device, commands, scene, tables.orders);
 

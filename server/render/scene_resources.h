@@ -41,6 +41,7 @@ class SceneResources {
   // For the rasteriser (shared/draw.h): a DrawRecord for each submesh and level, those that ask no mask first; and a
   // CullMesh a mesh.
   VkDeviceAddress drawRecords() const { return draw_records_.address(); }
+  const gpu::Buffer& drawIndices() const { return draw_indices_; }
   uint32_t drawCount() const { return draw_count_; }
   uint32_t solidDraws() const { return solid_draws_; }
   VkDeviceAddress cullMeshes() const { return cull_meshes_.address(); }
@@ -64,7 +65,8 @@ class SceneResources {
   std::vector<gpu::Image> textures_;
   uint64_t texture_bytes_ = 0;
   gpu::Buffer positions_, attributes_, indices_, extras_, deforms_;
-  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, lamp_shapes_, draw_records_, cull_meshes_;
+  gpu::Buffer meshes_, geometries_, materials_, emitter_triangles_, lamp_shapes_;
+  gpu::Buffer draw_records_, draw_indices_, cull_meshes_;
   uint32_t draw_count_ = 0, solid_draws_ = 0;
   std::vector<shared::MeshRecord> mesh_records_;
   std::vector<accel::SharedShape> shapes_;

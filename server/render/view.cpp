@@ -171,13 +171,9 @@ shared::SampleConstants View::nextSample() {
   // What is averaged is well spread over a pixel's samples, a single sample over the pixels of the picture.
   sample.sample_index = accumulating() ? accumulated_ : 0;
   sample.log2_samples = accumulating() ? kLog2Block : 0;
-  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. A rasterised picture has one
+  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. Most have one
   // position for a whole tick.
-  const bool own_hits = settings_.primary == Primary::traced || reference;
-  // What looks back knows one surface a pixel and tick; Whitted's technique knows no random numbers.
-  sample.jitter = accumulating() && own_hits && !looksBack(settings_) && settings_.technique != Technique::whitted
-                      ? glm::vec2(-1.0f)
-                      : tick_jitter_;
+  sample.jitter = samplesApart() ? glm::vec2(-1.0f) : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;
   return sample;

@@ -58,8 +58,16 @@ class View {
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
   bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }
+  /// Each sample looks at a point of its pixel of its own: not where hits are rasterised, which all see one point in a
+  /// tick, not for what looks back, which knows one surface a pixel and tick, and Whitted's technique draws no numbers.
+  bool samplesApart() const {
+    return accumulating() && (settings_.primary == Primary::traced || settings_.mode == Mode::reference) &&
+           !looksBack(settings_) && settings_.technique != Technique::whitted;
+  }
   /// Samples look at different points of their pixel, be it from tick to tick.
-  bool spreadsSamples() const { return settings_.technique != Technique::whitted && (settings_.taa || accumulating()); }
+  bool spreadsSamples() const {
+    return settings_.technique != Technique::whitted && (settings_.taa || still_ || samplesApart());
+  }
   /// After a tick that failed: everything is made anew at the next.
   void forget() {
     pixels = {};

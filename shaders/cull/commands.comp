@@ -36,16 +36,17 @@ void main() {
     if (t < thread) at += totals[t];
     sum += totals[t];
   }
-  const uint64_t table = cull.commands + 20ul * cull.draw_count * volume;
+  const uint64_t all_bytes = uint64_t(kCommandBytes + kCommandRecordBytes) * cull.draw_count;
+  const uint64_t table = cull.commands + all_bytes * volume;
   CommandTable commands = CommandTable(table);
-  Words records = Words(table + 16ul * cull.draw_count);
+  Words records = Words(table + uint64_t(kCommandBytes) * cull.draw_count);
   uint drawn = 0u;
   for (uint d = from; d < to; ++d) {
     const DrawRecord draw = DrawTable(cull.draws).items[d];
     uint first;
     const uint instances = instancesOf(draw, first);
     if (instances == 0u) continue;
-    commands.items[at] = DrawCommand(draw.index_count, instances, 0u, first);
+    commands.items[at] = DrawCommand(draw.index_count, instances, draw.first_index, 0, first);
     records.items[at] = d;
     drawn += instances * (draw.index_count / 3u);
     ++at;
@@ -53,7 +54,7 @@ void main() {
   atomicAdd(triangles, drawn);
   barrier();
   if (thread == 0u) {
-    CountTable counts = CountTable(cull.commands + 20ul * cull.draw_count * gl_NumWorkGroups.y);
+    CountTable counts = CountTable(cull.commands + all_bytes * gl_NumWorkGroups.y);
     if (masked) counts.items[volume].masked = sum;
     else counts.items[volume].solid = sum;
     atomicAdd(counts.items[volume].triangles, triangles);

@@ -60,12 +60,14 @@ void smoothHits(inout Counter c, uint hits, uint index) {
   if (c.cycles > 0u && lipac.rests == 0u && (lipac.tick + index) % kCycleDecay == 0u) --c.cycles;
 }
 
-// Hits above `threshold` for `ticks` ticks, or above twice of it in this one. Each cycle doubles the threshold.
+// Hits above `threshold` for `ticks` ticks, or above twice of it in this one. Each cycle doubles the threshold. Where nothing moves,
+// a single tick has no news: it is one more sample of what the mean knows better.
 bool hitOften(inout Counter c, uint hits, uint threshold, uint ticks) {
   if (threshold == kNever) return false;
   const uint raised = min(threshold << c.cycles, kSmoothedMost - kSmoothedMost / 16u);
   c.above = c.smoothed > raised ? min(c.above + 1u, kAboveMost) : 0u;
-  return c.above >= ticks || hits > 2u * raised;
+  const bool news = lipac.rests == 0u || lipac.literal != 0u;
+  return c.above >= ticks || (news && hits > 2u * raised);
 }
 
 // Hits below `threshold` for `ticks` ticks. Enough of them confirm a guess.
@@ -92,9 +94,9 @@ uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 
 // The room that cells' boxes leave: ranks above `last` fit for sure, those equal to it as far as `room` goes.
 void findRoom(out uint last, out uint room) {
-  const LipacStatus status = StatusRef(lipac.status).status;
-  room = lipac.capacity - min(status.boxes, lipac.capacity);
-  for (last = kRankMost; last > 0u && status.ranks[last] <= room; --last) room -= status.ranks[last];
+  StatusRef result = StatusRef(lipac.status);
+  room = lipac.capacity - min(result.status.boxes, lipac.capacity);
+  for (last = kRankMost; last > 0u && result.status.ranks[last] <= room; --last) room -= result.status.ranks[last];
 }
 
 // How many threads of the group before this one have `mine`, and how many have it in all. A bit a thread: the same on every

@@ -9,16 +9,19 @@ shared uint ranks[kRanks];
 
 bool isOpen(uint cell) { return (HitboxTable(lipac.cells).items[cell].word & 3u) == kStateActive; }
 
-// The cell's box must cover what is inactive in it.
+// The cell's box must cover what is inactive in it. Most find it large enough: a bound that is read late asks for an atomic too
+// many, never for one too few.
 void coverBy(Placed placed) {
   HitboxTable cells = HitboxTable(lipac.cells);
+  WordTable reaches = WordTable(lipac.reaches);
   if (isOpen(placed.cell)) return;  // it has no box
-  atomicMin(cells.items[placed.cell].lowest, ordered(placed.centre.y - placed.half_extent.y));
-  atomicMax(cells.items[placed.cell].highest, ordered(placed.centre.y + placed.half_extent.y));
+  const uint lowest = ordered(placed.centre.y - placed.half_extent.y), highest = ordered(placed.centre.y + placed.half_extent.y);
+  if (lowest < cells.items[placed.cell].lowest) atomicMin(cells.items[placed.cell].lowest, lowest);
+  if (highest > cells.items[placed.cell].highest) atomicMax(cells.items[placed.cell].highest, highest);
   const vec2 middle = cellCorner(placed.cell) + 0.5 * float(kCellMetres);
   const vec2 beyond = abs(placed.centre.xz - middle) + placed.half_extent.xz - 0.5 * float(kCellMetres);
-  const float reach = max(beyond.x, beyond.y);
-  if (reach > 0.0) atomicMax(WordTable(lipac.reaches).items[placed.cell], floatBitsToUint(reach));
+  const uint reach = floatBitsToUint(max(max(beyond.x, beyond.y), 0.0));
+  if (reach > reaches.items[placed.cell]) atomicMax(reaches.items[placed.cell], reach);
 }
 
 void main() {

@@ -21,7 +21,7 @@ Vertex placeVertex(vec3 eye) {
   v.record = DrawTable(draw.draws).items[WordTable(draw.records).items[gl_DrawID]];
   v.slot = WordTable(draw.slots).items[gl_InstanceIndex];
   const InstanceRecord instance = InstanceTable(frame.instances).items[v.slot];
-  const uint vertex = IndexTable(v.record.indices).items[gl_VertexIndex];
+  const uint vertex = gl_VertexIndex;
   vec3 p = PositionTable(v.record.positions).items[vertex];
   if (kDeforming && instance.deform != 0ul) p = deformPosition(DeformRef(instance.deform).record, instance, p, vertex);
   for (int i = 0; i < 3; ++i) v.relative[i] = dot(instance.rows[i].xyz, p) + (instance.rows[i].w - eye[i]);

@@ -8,7 +8,7 @@ HELIO_SHARED_BEGIN
 // One submesh of a mesh at one level of detail.
 struct DrawRecord {
   uint64_t positions;
-  uint64_t indices;
+  uint first_index;  // in the rasteriser's index buffer
   uint index_count;
   uint mesh;
   uint level;
@@ -38,13 +38,17 @@ struct DrawVolume {
   float error_per_metre;
 };
 
-// VkDrawIndirectCommand.
+// VkDrawIndexedIndirectCommand.
 struct DrawCommand {
-  uint vertex_count;
+  uint index_count;
   uint instance_count;
-  uint first_vertex;
+  uint first_index;
+  int vertex_offset;
   uint first_instance;
 };
+// Bytes of it, and of the index of its record.
+HELIO_CONSTANT kCommandBytes = 20u;
+HELIO_CONSTANT kCommandRecordBytes = 4u;
 
 // What the lists of one volume came to. Draws that ask a mask come behind those that do not.
 struct DrawCounts {

@@ -25,7 +25,8 @@ HELIO_CONSTANT kMarkedBit = 0x1000u;
 HELIO_CONSTANT kSmoothedShift = 13u;
 HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
 
-HELIO_CONSTANT kSmoothing = 16u;      // ticks
+HELIO_CONSTANT kSmoothing = 16u;        // ticks
+HELIO_CONSTANT kSmoothingAtRest = 64u;  // where nothing moves, in the end
 HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten, unless nothing moves
 HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
 
@@ -148,7 +149,7 @@ struct LipacTick {
   uint box_below;
   uint own_above;
   uint own_below;
-  uint smoothing;   // ticks that hits are smoothed over: kSmoothing, fewer after a camera cut
+  uint smoothing;   // ticks that hits are smoothed over: kSmoothing, fewer after a camera cut, more at rest
   uint mitigation;  // 1: what comes into an active hitbox is active at once
   uint box_flags;   // of boxes in the TLAS: VkGeometryInstanceFlagsKHR
   uint literal;     // 1: the paper's rules, without smoothing and damping

@@ -23,23 +23,27 @@ SurfaceTexel readSurface(uint image, ivec2 pixel) {
   return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x), surfaceMirrored(texel.y), surfaceSunlit(texel.y));
 }
 
-// How alike two texels' geometry is, `pixels` apart on the screen [section 4.4, eq. 3 and 4]. `gradient`: of depth, metres a
-// pixel.
+// Eq. 4.
+float normalWeight(vec3 a, vec3 b) {
+  float alike = max(dot(a, b), 0.0);
+  for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
+  return alike;
+}
+// How far apart two depths may be, `pixels` apart on the screen [eq. 3]. `gradient`: of depth, metres a pixel. A plane's depth is
+// known only as well as floats and the pixel's position in it are.
+float depthTolerance(float depth, float gradient, float pixels) { return kSigmaDepth * gradient * pixels + 1e-3 * depth; }
+
+// How alike two texels' geometry is [section 4.4].
 float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) {
   // Around a ball of mirror the ground that it shows lies as the ground itself does, and has another light.
   if (b.depth == 0.0 || a.mirrored != b.mirrored) return 0.0;
-  // A plane's depth is known only as well as floats and the pixel's position in it are.
-  const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * a.depth;
-  float alike = max(dot(a.normal, b.normal), 0.0);
-  for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
-  return alike * exp(-abs(a.depth - b.depth) / tolerance);
+  return normalWeight(a.normal, b.normal) * exp(-abs(a.depth - b.depth) / depthTolerance(a.depth, gradient, pixels));
 }
 
 // An edge that no noise hides: by day the sun's shadows are the sharpest and darkest of the picture, and what reaches lit surfaces
 // otherwise is so noisy that by luminance alone filters take the shadows for noise. `samples`: in the mean over ticks.
-float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) {
-  return exp(-abs(a.sunlit - b.sunlit) / (0.05 + 0.25 / max(samples, 1.0)));
-}
+float sunlitTolerance(float samples) { return 0.05 + 0.25 / max(samples, 1.0); }
+float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) { return exp(-abs(a.sunlit - b.sunlit) / sunlitTolerance(samples)); }
 // A shadow has come to where there was none for long, or left: light from before is not to be mixed with this tick's. Penumbras are in
 // between, and their means too. 1: so it is, 0: it is not.
 float shadowMoved(SurfaceTexel here, float sunlit_before) { return abs(here.sunlit - sunlit_before) > 0.9 ? 1.0 : 0.0; }

@@ -32,14 +32,15 @@ uint32_t packed(const Model& m) {
 struct Rules {
   LipacSettings settings;
   uint32_t tick = 0;
-  bool rests = false;
+  uint32_t resting = 0;  // ticks in a row in which nothing moved
 
   static uint32_t units(float hits) { return static_cast<uint32_t>(hits * 8.0f + 0.5f); }
 
   void take(Model& m, uint32_t hits, uint32_t index) const {
     const uint32_t most = std::min(hits, 524'287u);
-    m.smoothed = settings.literal ? most : (15 * m.smoothed + most + 8) / 16;
-    if (m.cycles > 0 && !rests && (tick + index) % 256 == 0) --m.cycles;
+    const uint32_t over = std::min(16 + resting, 64u);
+    m.smoothed = settings.literal ? most : ((over - 1) * m.smoothed + most + over / 2) / over;
+    if (m.cycles > 0 && resting == 0 && (tick + index) % 256 == 0) --m.cycles;
   }
   void change(Model& m, uint32_t state) const {
     m.state = state;
@@ -49,7 +50,7 @@ struct Rules {
     const uint32_t raised = std::min<uint32_t>(units(threshold) * (1u << m.cycles), 524'287u - 32'767u);
     if (m.smoothed > raised) m.above = std::min(m.above + 1, 7u);
     else m.above = 0;
-    return m.above >= ticks || hits > 2 * raised;
+    return m.above >= ticks || ((resting == 0 || settings.literal) && hits > 2 * raised);
   }
   bool seldom(Model& m, float threshold, uint32_t ticks) const {
     if (m.smoothed < units(threshold)) m.below = std::min(m.below + 1, 15u);
@@ -134,8 +135,8 @@ class LipacStates : public LipacFixture {
           boxes[cell_ids[c]].hits = cell_levels[c] / 2 + below(cell_levels[c] + 1);
 
       commands.begin();
-      rules.rests = t / 64 % 2 == 1;
-      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.rests},
+      rules.resting = t / 64 % 2 == 1 ? rules.resting + 1 : 0;
+      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.resting > 0},
                    kInstances);
       barrier();
       lipac.assemble(commands, output.address(), 64);
