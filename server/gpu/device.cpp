@@ -327,6 +327,7 @@ void Device::createDevice() {
   vulkan12.timelineSemaphore = VK_TRUE;
   vulkan12.hostQueryReset = VK_TRUE;
   vulkan12.scalarBlockLayout = VK_TRUE;
+  vulkan12.shaderBufferInt64Atomics = VK_TRUE;
   vulkan12.descriptorIndexing = VK_TRUE;
   vulkan12.runtimeDescriptorArray = VK_TRUE;
   vulkan12.descriptorBindingPartiallyBound = VK_TRUE;

@@ -11,7 +11,6 @@ namespace helio::render {
 namespace {
 
 constexpr gpu::Use kCompute = gpu::use::compute_write;
-constexpr uint64_t kCommandBytes = shared::kCommandBytes + shared::kCommandRecordBytes;
 static_assert(sizeof(shared::DrawCommand) == shared::kCommandBytes &&
               sizeof(shared::DrawCommand) == sizeof(VkDrawIndexedIndirectCommand));
 
@@ -40,14 +39,15 @@ void DrawLists::cull(gpu::Commands& commands, const CullPipelines& pipelines, co
                      std::span<const shared::DrawVolume> volumes, VkDeviceAddress filter) {
   volume_count_ = static_cast<uint32_t>(volumes.size());
   draws_ = scene.drawCount();
-  indices_ = scene.drawIndices().handle();
+  indices_ = &scene.drawIndices();
+  records_ = scene.drawRecords();
   solid_draws_ = scene.solidDraws();
   const uint64_t count = table.count(), groups = (count + shared::kCullGroup - 1) / shared::kCullGroup;
   const uint64_t keys_at = 0, slots_at = keys_at + 4 * count * volume_count_,
                  sums_at = slots_at + 4 * count * volume_count_,
                  ranges_at = sums_at + 4 * shared::kMostLevels * (groups + 1) * volume_count_,
                  work_end = ranges_at + sizeof(shared::DrawRange) * table.meshes() * volume_count_;
-  counts_at_ = kCommandBytes * draws_ * volume_count_;
+  counts_at_ = uint64_t{shared::kCommandTableBytes} * draws_ * volume_count_;
   reserve(commands, work_end, counts_at_ + sizeof(shared::DrawCounts) * volume_count_);
   slot_bytes_ = 4 * count;
   slots_ = work_.address() + slots_at;
@@ -88,15 +88,32 @@ void DrawLists::cull(gpu::Commands& commands, const CullPipelines& pipelines, co
 void DrawLists::draw(gpu::Commands& commands, uint32_t volume, bool masks, shared::DrawConstants constants) const {
   const uint32_t first = masks ? solid_draws_ : 0, most = masks ? draws_ - solid_draws_ : solid_draws_;
   if (most == 0) return;
-  const uint64_t table = kCommandBytes * draws_ * volume;
+  const uint64_t table = uint64_t{shared::kCommandTableBytes} * draws_ * volume;
   constants.slots = slots_ + slot_bytes_ * volume;
+  constants.draws = records_;
   constants.records = commands_.address() + table + sizeof(shared::DrawCommand) * draws_ + sizeof(uint32_t) * first;
   commands.push(constants);
   const uint64_t count_at = counts_at_ + sizeof(shared::DrawCounts) * volume +
                             (masks ? offsetof(shared::DrawCounts, masked) : offsetof(shared::DrawCounts, solid));
-  vkCmdBindIndexBuffer(commands.handle(), indices_, 0, VK_INDEX_TYPE_UINT32);
+  vkCmdBindIndexBuffer(commands.handle(), indices_->handle(), 0, VK_INDEX_TYPE_UINT32);
   vkCmdDrawIndexedIndirectCount(commands.handle(), commands_.handle(), table + sizeof(shared::DrawCommand) * first,
                                 commands_.handle(), count_at, most, sizeof(shared::DrawCommand));
+}
+
+void DrawLists::describe(uint32_t volume, shared::RasterConstants& constants) const {
+  constants.slots = slots_ + slot_bytes_ * volume;
+  constants.commands = commands_.address() + uint64_t{shared::kCommandTableBytes} * draws_ * volume;
+  constants.counts = commands_.address() + counts_at_ + sizeof(shared::DrawCounts) * volume;
+  constants.draws = records_;
+  constants.indices = indices_->address();
+  constants.draw_count = draws_;
+  constants.solid_draws = solid_draws_;
+}
+
+void DrawLists::dispatchTriangles(gpu::Commands& commands, uint32_t volume, bool masks) const {
+  commands.dispatchIndirect(commands_, counts_at_ + sizeof(shared::DrawCounts) * volume +
+                                           (masks ? offsetof(shared::DrawCounts, masked_groups)
+                                                  : offsetof(shared::DrawCounts, solid_groups)));
 }
 
 void DrawLists::readBack(gpu::Commands& commands) const {

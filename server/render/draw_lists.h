@@ -10,6 +10,7 @@
 #include "render/draw_table.h"
 #include "render/scene_resources.h"
 #include "shared/draw.h"
+#include "shared/raster.h"
 
 namespace helio::render {
 
@@ -41,6 +42,10 @@ class DrawLists {
   /// Records the draws of one volume (kDraw), those whose fragments ask a mask or those that do not. `constants` must
   /// hold what is not of the lists; it is pushed.
   void draw(gpu::Commands& commands, uint32_t volume, bool masks, shared::DrawConstants constants) const;
+  /// What shaders/raster is told of the draws of one volume.
+  void describe(uint32_t volume, shared::RasterConstants& constants) const;
+  /// Records a group of threads for each shared::kTriangleGroup of its triangles (ComputeRaster::kDraw).
+  void dispatchTriangles(gpu::Commands& commands, uint32_t volume, bool masks) const;
   /// Records the copy of what triangles() then tells (transfer read of the lists).
   void readBack(gpu::Commands& commands) const;
   /// Drawn for all volumes, of the last readBack() that is done.
@@ -51,7 +56,7 @@ class DrawLists {
   void reserve(gpu::Commands& commands, uint64_t work_bytes, uint64_t command_bytes);
 
   gpu::Buffer volumes_, work_, commands_, counts_readback_;
-  VkBuffer indices_ = VK_NULL_HANDLE;  // the scene's
+  const gpu::Buffer* indices_ = nullptr;  // the scene's
   uint32_t volume_count_ = 0, draws_ = 0, solid_draws_ = 0;
   VkDeviceAddress slots_ = 0, records_ = 0;
   uint64_t slot_bytes_ = 0;  // of a volume

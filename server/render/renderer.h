@@ -25,6 +25,13 @@ enum class Mode {
   reference,  ///< traced primary rays with pixel jitter, everything in the TLAS, accumulated, no approximation
 };
 enum class Primary { raster, traced };
+
+/// Who rasterises primary hits and shadow maps.
+enum class Rasteriser {
+  automatic,  ///< what is fast on the device: compute shaders on GPUs, the graphics pipeline on CPUs
+  graphics,   ///< the graphics pipeline
+  compute     ///< compute shaders
+};
 enum class Sampler {
   low_discrepancy,  ///< Owen-scrambled Sobol points, blue noise over pixels
   independent,      ///< hashes: the baseline
@@ -125,6 +132,7 @@ struct ViewSettings {
   float focus = 10.0f;    ///< metres from the camera to the plane that is sharp, [0.01, 1e6]
   SunShadow sun_shadow = SunShadow::rays;  ///< reference mode knows rays alone
   uint32_t shadow_map_size = 2048;         ///< texels along a side of each of its cascades, [256, 4096]
+  Rasteriser rasteriser = Rasteriser::automatic;
   bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
                                  ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "shared/raster.h"
 #include "shared/shadow_map.h"
 
 namespace helio::render {
@@ -71,12 +72,16 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
 
 bool View::isAt(const scene::Camera& camera) const { return same(camera_, camera); }
 
+bool View::computesRaster() const {
+  return settings_.rasteriser == Rasteriser::compute ||
+         (settings_.rasteriser == Rasteriser::automatic && !device_->cpu());
+}
+
 void View::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, bool scene_changed,
                  uint64_t tick, uint32_t ray_log_stride) {
   const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
   jumped_ = resized || isJump(camera_, camera);
   const bool goes_on = !resized && !scene_changed && isAt(camera) && continues(settings_, settings);
-  const bool new_primary = settings.primary != settings_.primary || settings.mode != settings_.mode;
   const bool was_accumulating = averaging();
   // Bounces more or fewer change little of the light: what looks back goes on from it.
   ViewSettings as_before = settings;
@@ -110,20 +115,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
                                                              : glm::vec2(0.5f);
 
   const uint64_t texels = uint64_t{settings.width} * settings.height;
-  const bool raster = settings.mode == Mode::hybrid && settings.primary == Primary::raster;
-  if (raster && (resized || new_primary || !depth)) {
-    depth = gpu::Image(*device_, {"depth", settings.width, settings.height, 1, VK_FORMAT_D32_SFLOAT,
-                                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
-    commands.prepare(depth);
-  }
-  if (const uint32_t side = shared::kShadowTilesPerRow * settings.shadow_map_size;
-      settings.sun_shadow != SunShadow::rays && (!shadow_image || shadow_image.width() != side)) {
-    shadow_image = gpu::Image(*device_, {"the sun's shadow map", side, side, 1, VK_FORMAT_D32_SFLOAT,
-                                         VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT});
-    commands.prepare(shadow_image);
-    shadow_constants =
-        gpu::Buffer(*device_, {"the shadow map's cascades", sizeof(shared::ShadowMap), gpu::MemoryCategory::raster});
-  }
+  makeRasterTargets(commands);
   if (settings.keep_radiance && radiance_readback.size() < texels * 16)
     radiance_readback = gpu::Buffer(
         *device_, {"radiance to read back", texels * 16, gpu::MemoryCategory::transfer, gpu::Placement::readback});
@@ -131,6 +123,38 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   if (ray_log.size() < log_bytes)
     ray_log = gpu::Buffer(*device_, {"the ray log", log_bytes, gpu::MemoryCategory::transfer});
   pixels_readback = pool_->take();
+}
+
+void View::makeRasterTargets(gpu::Commands& commands) {
+  const bool primary = settings_.mode == Mode::hybrid && settings_.primary == Primary::raster;
+  const bool shadows = settings_.sun_shadow != SunShadow::rays, computes = computesRaster();
+  const uint64_t texels = uint64_t{settings_.width} * settings_.height;
+  if (!primary || computes) depth = {};
+  if (!primary || !computes) keys = {};
+  if (!computes || (!primary && !shadows)) raster_tiles = {};
+  else if (!raster_tiles)
+    raster_tiles = gpu::Buffer(*device_, {"tiles of large triangles",
+                                          shared::kShadowCascades * sizeof(shared::RasterTileCount) +
+                                              shared::kMostTiles * sizeof(shared::RasterTile),
+                                          gpu::MemoryCategory::raster});
+  if (primary && computes && keys.size() != texels * sizeof(uint64_t))
+    keys = gpu::Buffer(*device_, {"who is nearest", texels * sizeof(uint64_t), gpu::MemoryCategory::raster});
+  if (primary && !computes && !depth) {
+    depth = gpu::Image(*device_, {"depth", settings_.width, settings_.height, 1, VK_FORMAT_D32_SFLOAT,
+                                  VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
+    commands.prepare(depth);
+  }
+  if (const uint32_t side = shared::kShadowTilesPerRow * settings_.shadow_map_size;
+      shadows && (!shadow_image || shadow_image.width() != side || shadow_bits_ != computes)) {
+    shadow_bits_ = computes;
+    const VkImageUsageFlags bits = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+    const VkImageUsageFlags drawn = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
+    shadow_image = gpu::Image(*device_, {"the sun's shadow map", side, side, 1,
+                                         computes ? VK_FORMAT_R32_UINT : VK_FORMAT_D32_SFLOAT, computes ? bits : drawn});
+    commands.prepare(shadow_image);
+    shadow_constants =
+        gpu::Buffer(*device_, {"the shadow map's cascades", sizeof(shared::ShadowMap), gpu::MemoryCategory::raster});
+  }
 }
 
 void View::createTargets(gpu::Commands& commands) {
@@ -154,6 +178,7 @@ void View::createTargets(gpu::Commands& commands) {
   state_readback =
       gpu::Buffer(*device_, {"view state to read back", sizeof(shared::ViewState), transfer, gpu::Placement::readback});
   depth = {};
+  keys = {};
   radiance_readback = {};
   ray_log = {};
   commands.fill(state, 0);

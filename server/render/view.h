@@ -40,8 +40,11 @@ class View {
              uint64_t tick, uint32_t ray_log_stride);
 
   // ---- Targets (shaders/shared/frame.h says what each holds) ----
-  gpu::Image visibility, depth, radiance, accumulation, path_info;
+  gpu::Image visibility, radiance, accumulation, path_info;
   gpu::Buffer constants, state, pixels, ray_log;
+  // Of the rasteriser: by the graphics pipeline, or by compute shaders (shared/raster.h).
+  gpu::Image depth;
+  gpu::Buffer keys, raster_tiles;
   DrawLists draws;
   // With a shadow map of the sun.
   gpu::Image shadow_image;
@@ -55,6 +58,8 @@ class View {
 
   const scene::Camera& camera() const { return camera_; }
   bool isAt(const scene::Camera& camera) const;  ///< the last tick's
+  /// What is rasterised is so by compute shaders.
+  bool computesRaster() const;
   const ViewSettings& settings() const { return settings_; }
   /// Several samples are averaged: in reference mode, with several a tick, and while a live picture stands still.
   bool accumulating() const { return still_ || settings_.samples > 1 || settings_.mode == Mode::reference; }
@@ -93,6 +98,7 @@ class View {
 
  private:
   void createTargets(gpu::Commands& commands);
+  void makeRasterTargets(gpu::Commands& commands);
 
   std::shared_ptr<gpu::Device> device_;
   std::shared_ptr<PixelPool> pool_;
@@ -105,6 +111,7 @@ class View {
   glm::vec2 tick_jitter_{0.5f};
   bool still_ = false;  // live, accumulate is on, and nothing has changed since the last tick
   bool jumped_ = true;
+  bool shadow_bits_ = false;  // the shadow map's depths are bits of integers
 };
 
 }  // namespace helio::render

@@ -4,13 +4,14 @@
 // (without a mask, with one). A thread takes neighbours.
 #include "cull/cull.glsl"
 
+#include "shared/raster.h"
+
 layout(local_size_x = kScanGroup) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CommandTable { DrawCommand items[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CountTable { DrawCounts items[]; };
 
-shared uint totals[kScanGroup];
-shared uint triangles;
+shared uvec2 totals[kScanGroup];  // commands, triangles
 
 uint instancesOf(DrawRecord draw, out uint first) {
   first = 0u;
@@ -26,37 +27,46 @@ void main() {
   const uint begin = masked ? cull.solid_draws : 0u, all = masked ? cull.draw_count : cull.solid_draws;
   const uint each = (all - begin + kScanGroup - 1u) / kScanGroup;
   const uint from = min(begin + thread * each, all), to = min(from + each, all);
-  if (thread == 0u) triangles = 0u;
-  uint count = 0u, ignored;
-  for (uint d = from; d < to; ++d) count += instancesOf(DrawTable(cull.draws).items[d], ignored) > 0u ? 1u : 0u;
-  totals[thread] = count;
+  uvec2 total = uvec2(0u);
+  uint first;
+  for (uint d = from; d < to; ++d) {
+    const DrawRecord draw = DrawTable(cull.draws).items[d];
+    const uint instances = instancesOf(draw, first);
+    if (instances > 0u) total += uvec2(1u, instances * (draw.index_count / 3u));
+  }
+  totals[thread] = total;
   barrier();
-  uint at = begin, sum = 0u;
+  uvec2 at = uvec2(begin, 0u), sum = uvec2(0u);
   for (uint t = 0u; t < kScanGroup; ++t) {
     if (t < thread) at += totals[t];
     sum += totals[t];
   }
-  const uint64_t all_bytes = uint64_t(kCommandBytes + kCommandRecordBytes) * cull.draw_count;
-  const uint64_t table = cull.commands + all_bytes * volume;
+  const uint64_t table_bytes = uint64_t(kCommandTableBytes) * cull.draw_count, table = cull.commands + table_bytes * volume;
   CommandTable commands = CommandTable(table);
   Words records = Words(table + uint64_t(kCommandBytes) * cull.draw_count);
-  uint drawn = 0u;
+  Words triangles = Words(table + uint64_t(kCommandBytes + 4u) * cull.draw_count);
   for (uint d = from; d < to; ++d) {
     const DrawRecord draw = DrawTable(cull.draws).items[d];
-    uint first;
     const uint instances = instancesOf(draw, first);
     if (instances == 0u) continue;
-    commands.items[at] = DrawCommand(draw.index_count, instances, draw.first_index, 0, first);
-    records.items[at] = d;
-    drawn += instances * (draw.index_count / 3u);
-    ++at;
+    commands.items[at.x] = DrawCommand(draw.index_count, instances, draw.first_index, 0, first);
+    records.items[at.x] = d;
+    triangles.items[at.x] = at.y;
+    at += uvec2(1u, instances * (draw.index_count / 3u));
   }
-  atomicAdd(triangles, drawn);
-  barrier();
   if (thread == 0u) {
-    CountTable counts = CountTable(cull.commands + all_bytes * gl_NumWorkGroups.y);
-    if (masked) counts.items[volume].masked = sum;
-    else counts.items[volume].solid = sum;
-    atomicAdd(counts.items[volume].triangles, triangles);
+    CountTable counts = CountTable(cull.commands + table_bytes * gl_NumWorkGroups.y);
+    const uint groups = (sum.y + kTriangleGroup - 1u) / kTriangleGroup;
+    const uint sizes[3] = uint[](min(groups, kMostGroupsPerRow), (groups + kMostGroupsPerRow - 1u) / kMostGroupsPerRow, 1u);
+    if (masked) {
+      counts.items[volume].masked = sum.x;
+      counts.items[volume].masked_triangles = sum.y;
+      counts.items[volume].masked_groups = sizes;
+    } else {
+      counts.items[volume].solid = sum.x;
+      counts.items[volume].solid_triangles = sum.y;
+      counts.items[volume].solid_groups = sizes;
+    }
+    atomicAdd(counts.items[volume].triangles, sum.y);
   }
 }

@@ -11,6 +11,10 @@ const bool kUsesShadowMap = kSunShadow != kSunShadowRays;
 const float kNormalTexels = 1.5;  // that a surface is lifted: its own texels lie on both sides of it
 const float kDepthTexels = 1.0;
 
+float casterDepth(ShadowMap map, ivec2 texel) {
+  return map.bits != 0u ? uintBitsToFloat(imageLoad(images_r32ui[map.image], texel).x) : texelFetch(textures[map.image], texel, 0).r;
+}
+
 // Share of the sun that the map lets through to `p`, whose surface faces `normal` (0: no surface): bilinear over four
 // comparisons, in the finest cascade that has it.
 float sunThroughMap(vec3 p, vec3 normal) {
@@ -30,7 +34,7 @@ float sunThroughMap(vec3 p, vec3 normal) {
     float lit = 0.0;
     for (int y = 0; y < 2; ++y)
       for (int x = 0; x < 2; ++x)
-        if (texelFetch(textures[map.image], origin + ivec2(x, y), 0).r <= depth)
+        if (casterDepth(map, origin + ivec2(x, y)) <= depth)
           lit += (x == 0 ? 1.0 - f.x : f.x) * (y == 0 ? 1.0 - f.y : f.y);
     return lit;
   }

@@ -1,4 +1,4 @@
-// What a draw of the rasteriser is given: push constants of its own, and the vertex that all of its vertex shaders place.
+// What a draw of the rasteriser is given: push constants of its own.
 #ifndef HELIO_PRIMARY_DRAW_GLSL
 #define HELIO_PRIMARY_DRAW_GLSL
 #define HELIO_OWN_PUSH

@@ -46,16 +46,22 @@ struct DrawCommand {
   int vertex_offset;
   uint first_instance;
 };
-// Bytes of it, and of the index of its record.
+// Bytes of it, and of a table of them that has for each its record and its first triangle among those of its kind.
 HELIO_CONSTANT kCommandBytes = 20u;
-HELIO_CONSTANT kCommandRecordBytes = 4u;
+HELIO_CONSTANT kCommandTableBytes = 28u;
 
 // What the lists of one volume came to. Draws that ask a mask come behind those that do not.
 struct DrawCounts {
   uint solid;   // commands from the first on
   uint masked;  // commands from DrawTable::solid on
   uint triangles;
+  uint solid_triangles;
+  uint masked_triangles;
+  // VkDispatchIndirectCommand: groups of kTriangleGroup triangles (shared/raster.h).
+  uint solid_groups[3];
+  uint masked_groups[3];
 };
+HELIO_CONSTANT kMostGroupsPerRow = 32768u;
 
 // Instances of one mesh at each of its levels: entries of the volume's list of that level.
 struct DrawRange {
@@ -81,7 +87,7 @@ struct CullConstants {
   uint64_t sums;        // uint[kMostLevels] a group, and the sum of all
   uint64_t slots;       // uint an entry: the lists of the levels, one behind the other
   uint64_t ranges;      // DrawRange a mesh
-  uint64_t commands;    // DrawCommand a draw; then uint a draw: its record; then DrawCounts
+  uint64_t commands;    // DrawCommand a draw; uint a draw: its record; uint a draw: its first triangle; then DrawCounts
   uint count;           // entries of by_mesh
   uint mesh_count;
   uint draw_count;

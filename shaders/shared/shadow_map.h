@@ -16,11 +16,12 @@ struct ShadowCascade {
 
 struct ShadowMap {
   vec3 right;  // right, up and to_sun are orthonormal
-  uint image;  // of the bindless textures: reversed depth, 1 towards the sun
+  uint image;  // reversed depth, 1 towards the sun: of the bindless textures
   vec3 up;
   uint tile;  // texels along a side of a cascade
   vec3 to_sun;
   float half_depth;  // metres that depth reaches to both sides of a cascade's centre
+  uint bits;         // 1: `image` is of the bindless r32ui images, and has depth's bits
   ShadowCascade cascades[kShadowCascades];
 };
 

@@ -33,6 +33,7 @@ const std::map<std::string, Setter>& setters() {
                                           {"aperture", into(&S::aperture)},
                                           {"focus", into(&S::focus)},
                                           {"shadow_map_size", into(&S::shadow_map_size)},
+                                          {"rasteriser", into(&S::rasteriser)},
                                           {"levels_of_detail", into(&S::levels_of_detail)}};
     for (const render::LightSwitch& each : render::kLightSwitches) setters[each.name] = into(each.field);
     return setters;

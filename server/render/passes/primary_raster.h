@@ -5,6 +5,7 @@
 
 #include "gpu/pipelines.h"
 #include "render/draw_lists.h"
+#include "render/passes/compute_raster.h"
 #include "render/passes/pass.h"
 
 namespace helio::render {
@@ -18,6 +19,9 @@ struct RasterPass {
   effects::EffectSet effects;
 };
 
+/// What shaders that rasterise must know. A mask may need any texture coordinates and vertex colours: all effects, or none
+/// but what moves vertices.
+effects::EffectSet effectsOfRaster(bool masks);
 /// Pipelines of one pair of shaders: for what asks no alpha mask, and for what does.
 std::array<gpu::RasterPipeline, 2> rasterPipelines(gpu::Device& device, gpu::RasterDescription description);
 
@@ -28,7 +32,12 @@ class PrimaryRaster {
   void add(const ViewPass& pass, const RasterPass& raster, const glm::vec2& jitter) const;
 
  private:
+  void draw(gpu::Commands& commands, const View& view, const glm::vec2& jitter, bool any_masks) const;
+  void compute(gpu::Commands& commands, const View& view, const glm::vec2& jitter, bool any_masks) const;
+
   std::array<gpu::RasterPipeline, 2> pipelines_;
+  ComputeRaster compute_;
+  gpu::ComputePipeline resolve_;
 };
 
 }  // namespace helio::render

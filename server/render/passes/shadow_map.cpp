@@ -67,7 +67,8 @@ shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& t
 
 ShadowMapPass::ShadowMapPass(gpu::Device& device)
     : pipelines_(rasterPipelines(
-          device, {"shadow_map/shadow_map.vert", "shadow_map/shadow_map.frag", {}, VK_FORMAT_D32_SFLOAT, {}})) {}
+          device, {"shadow_map/shadow_map.vert", "shadow_map/shadow_map.frag", {}, VK_FORMAT_D32_SFLOAT, {}})),
+      compute_(device, RasterTarget::shadow_map) {}
 
 void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun,
                         const accel::OrderBlock& world, const gpu::Buffer* filter) const {
@@ -75,6 +76,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   const ViewSettings& settings = view.settings();
   shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
   map.image = view.shadow_image.slot();
+  map.bits = view.computesRaster();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};
   for (uint32_t c = 0; c < shared::kShadowCascades; ++c) volumes[c] = casters(map, c, settings.levels_of_detail);
 
@@ -91,48 +93,67 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
                  });
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);
-  pass.graph.add(
-      "shadow_map", pass.owner,
-      {{&view.shadow_draws, DrawLists::kDraw},
-       {&view.shadow_constants, gpu::use::raster_read},
-       {&view.constants, gpu::use::raster_read},
-       {pass.instances, gpu::use::raster_read},
-       {&view.shadow_image, gpu::use::depth_write}},
-      [this, &view, draws = raster.scene.drawRecords(), tile = map.tile, any_masks](gpu::Commands& commands) {
-        VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
-        depth.imageView = view.shadow_image.view();
-        depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
-        depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // to 0: nothing between here and the sun
-        depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
-        VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
-        rendering.renderArea.extent = {kTilesPerRow * tile, kTilesPerRow * tile};
-        rendering.layerCount = 1;
-        rendering.pDepthAttachment = &depth;
-        vkCmdBeginRendering(commands.handle(), &rendering);
-        shared::DrawConstants constants{};
-        constants.frame = view.constants.address();
-        constants.draws = draws;
-        constants.shadow_map = view.shadow_constants.address();
-        for (const bool masks : {false, true}) {
-          if (masks && !any_masks) break;
-          commands.bind(pipelines_[masks]);
-          for (uint32_t c = 0; c < shared::kShadowCascades; ++c) {
-            const uint32_t x = c % kTilesPerRow * tile, y = c / kTilesPerRow * tile;
-            const VkViewport viewport{static_cast<float>(x),
-                                      static_cast<float>(y),
-                                      static_cast<float>(tile),
-                                      static_cast<float>(tile),
-                                      0.0f,
-                                      1.0f};
-            const VkRect2D scissor{{static_cast<int32_t>(x), static_cast<int32_t>(y)}, {tile, tile}};
-            vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
-            vkCmdSetScissor(commands.handle(), 0, 1, &scissor);
-            constants.cascade = c;
-            view.shadow_draws.draw(commands, c, masks, constants);
-          }
-        }
-        vkCmdEndRendering(commands.handle());
-      });
+  const uint32_t tile = map.tile;
+  if (view.computesRaster())
+    pass.graph.add("shadow_map", pass.owner,
+                   {{&view.shadow_draws, ComputeRaster::kDraw},
+                    {&view.shadow_constants, gpu::use::compute_read},
+                    {&view.constants, gpu::use::compute_read},
+                    {pass.instances, gpu::use::compute_read},
+                    {&view.raster_tiles, ComputeRaster::kWrite},
+                    {&view.shadow_image, ComputeRaster::kWrite}},
+                   [this, &view, tile, any_masks](gpu::Commands& commands) { compute(commands, view, tile, any_masks); });
+  else
+    pass.graph.add("shadow_map", pass.owner,
+                   {{&view.shadow_draws, DrawLists::kDraw},
+                    {&view.shadow_constants, gpu::use::raster_read},
+                    {&view.constants, gpu::use::raster_read},
+                    {pass.instances, gpu::use::raster_read},
+                    {&view.shadow_image, gpu::use::depth_write}},
+                   [this, &view, tile, any_masks](gpu::Commands& commands) { draw(commands, view, tile, any_masks); });
+}
+
+void ShadowMapPass::draw(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const {
+  VkRenderingAttachmentInfo depth{VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO};
+  depth.imageView = view.shadow_image.view();
+  depth.imageLayout = VK_IMAGE_LAYOUT_GENERAL;
+  depth.loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR;  // to 0: nothing between here and the sun
+  depth.storeOp = VK_ATTACHMENT_STORE_OP_STORE;
+  VkRenderingInfo rendering{VK_STRUCTURE_TYPE_RENDERING_INFO};
+  rendering.renderArea.extent = {kTilesPerRow * tile, kTilesPerRow * tile};
+  rendering.layerCount = 1;
+  rendering.pDepthAttachment = &depth;
+  vkCmdBeginRendering(commands.handle(), &rendering);
+  shared::DrawConstants constants{};
+  constants.frame = view.constants.address();
+  constants.shadow_map = view.shadow_constants.address();
+  for (const bool masks : {false, true}) {
+    if (masks && !any_masks) break;
+    commands.bind(pipelines_[masks]);
+    for (uint32_t c = 0; c < shared::kShadowCascades; ++c) {
+      const uint32_t x = c % kTilesPerRow * tile, y = c / kTilesPerRow * tile;
+      const VkViewport viewport{static_cast<float>(x), static_cast<float>(y), static_cast<float>(tile),
+                                static_cast<float>(tile), 0.0f, 1.0f};
+      const VkRect2D scissor{{static_cast<int32_t>(x), static_cast<int32_t>(y)}, {tile, tile}};
+      vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
+      vkCmdSetScissor(commands.handle(), 0, 1, &scissor);
+      constants.cascade = c;
+      view.shadow_draws.draw(commands, c, masks, constants);
+    }
+  }
+  vkCmdEndRendering(commands.handle());
+}
+
+void ShadowMapPass::compute(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const {
+  const VkClearColorValue nothing{};
+  const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  vkCmdClearColorImage(commands.handle(), view.shadow_image.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
+  shared::RasterConstants constants{};
+  constants.frame = view.constants.address();
+  constants.shadow_map = view.shadow_constants.address();
+  constants.image = view.shadow_image.slot();
+  constants.width = constants.height = tile;
+  compute_.draw(commands, view.shadow_draws, shared::kShadowCascades, any_masks, view.raster_tiles, constants);
 }
 
 }  // namespace helio::render

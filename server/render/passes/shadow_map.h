@@ -26,7 +26,11 @@ class ShadowMapPass {
            const gpu::Buffer* filter = nullptr) const;
 
  private:
+  void draw(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const;
+  void compute(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const;
+
   std::array<gpu::RasterPipeline, 2> pipelines_;
+  ComputeRaster compute_;
 };
 
 }  // namespace helio::render

@@ -1,0 +1,37 @@
+// Rasterising in compute shaders (shaders/raster), for passes `primary_raster` and `shadow_map`: GPUs for data centres
+// have a few units for graphics and a hundred for computing.
+#pragma once
+
+#include <array>
+
+#include "effects/registry.h"
+#include "gpu/pipelines.h"
+#include "render/draw_lists.h"
+#include "shared/raster.h"
+
+namespace helio::render {
+
+/// What is drawn into.
+enum class RasterTarget { picture, shadow_map };
+
+class ComputeRaster {
+ public:
+  ComputeRaster(gpu::Device& device, RasterTarget target);
+
+  /// How passes touch the lists that they draw, and what they draw into.
+  static constexpr gpu::Use kDraw{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                  VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_READ_BIT};
+  static constexpr gpu::Use kWrite{
+      VK_PIPELINE_STAGE_2_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+      VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT};
+
+  /// Records the draws of all volumes of `lists` into what `constants` tells: frame, what is drawn into, its size, the
+  /// jitter. Volumes are cascades of a shadow map. `tiles`: working memory (shared::kMostTiles).
+  void draw(gpu::Commands& commands, const DrawLists& lists, uint32_t volumes, bool any_masks, const gpu::Buffer& tiles,
+            shared::RasterConstants constants) const;
+
+ private:
+  std::array<gpu::ComputePipeline, 2> triangles_, tiles_;  // of what asks no mask; of what does
+};
+
+}  // namespace helio::render
