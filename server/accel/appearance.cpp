@@ -76,7 +76,7 @@ void Appearance::begin(std::span<const Sight> sights, std::span<const uint32_t> 
   units_.clear();
   slots_.clear();
   visits_ = 0;
-  if (smoothing_ < shared::kSmoothing) ++smoothing_;
+  if (smoothing_ < settings_.smoothing) ++smoothing_;
   if (!settings_.mitigation || !reachable(settings_.box_activate)) return;
 
   std::vector<Ranked> ranked;

@@ -27,7 +27,7 @@ struct Sight {
 /// pixels than the hits below which it leaves again is not worth it. Deterministic: a function of the sights so far.
 class Appearance {
  public:
-  explicit Appearance(const LipacSettings& settings) : settings_(settings) {}
+  explicit Appearance(const LipacSettings& settings) : settings_(settings), smoothing_(settings.smoothing) {}
 
   /// This tick's sights. `edited`: slots whose instances users changed.
   void begin(std::span<const Sight> sights, std::span<const uint32_t> edited, const InstanceTable& table,
@@ -45,7 +45,7 @@ class Appearance {
   const std::vector<uint32_t>& units() const { return units_; }
   /// Edited slots that somebody sees.
   const std::vector<uint32_t>& slots() const { return slots_; }
-  /// Ticks that hits are averaged over: since a camera cut, shared::kSmoothing at most. What was met before it says
+  /// Ticks that hits are averaged over: since a camera cut, LipacSettings::smoothing at most. What was met before it says
   /// nothing about the new view.
   uint32_t smoothing() const { return smoothing_; }
   uint64_t visits() const { return visits_; }  ///< blocks and instances that begin() looked at
@@ -66,7 +66,7 @@ class Appearance {
 
   LipacSettings settings_;
   std::map<uint64_t, Viewer> viewers_;
-  uint32_t smoothing_ = shared::kSmoothing;
+  uint32_t smoothing_;
   uint64_t visits_ = 0;
   std::vector<shared::LipacSight> blocks_;
   std::vector<shared::CullVolume> volumes_;

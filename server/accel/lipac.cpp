@@ -323,8 +323,8 @@ void Lipac::upload(gpu::Commands& commands, const LipacWorld& world, uint32_t un
   tick_.volumes = sights.empty() ? 0 : volume_buffer_.address();
   tick_.sight_count = static_cast<uint32_t>(sights.size());
   tick_.smoothing = appearance_.smoothing();
-  resting_ = world.rests && tick_.smoothing == shared::kSmoothing ? resting_ + 1 : 0;
-  tick_.smoothing += std::min(resting_, shared::kSmoothingAtRest - shared::kSmoothing);
+  resting_ = world.rests && tick_.smoothing == settings_.smoothing ? resting_ + 1 : 0;
+  tick_.smoothing += std::min(resting_, shared::kSmoothingAtRest - settings_.smoothing);
   tick_.mitigation = settings_.mitigation;
   tick_.grid_x = grid_.x;
   tick_.grid_z = grid_.z;

@@ -27,6 +27,8 @@ struct LipacSettings {
   uint32_t sight_blocks = 1024;  ///< blocks of 64 instances that a tick may look into; [1, 1,000,000]
   /// Of a picture with more paths than this only so many count, in tiles and in turn; [1024, 16,777,216].
   uint32_t counted_paths = 262'144;
+  /// Ticks that hits are averaged over, [1, 64]; fewer behind a camera cut, up to 64 where nothing moves.
+  uint32_t smoothing = 16;
   BoxHits box_hits = BoxHits::closest_hit;
   /// The paper's rules to the letter: no smoothing, no n_a and n_d for instances, no damping of cycles.
   bool literal = false;

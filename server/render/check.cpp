@@ -132,6 +132,7 @@ Result<void> check(const CullingSettings& settings) {
   if (auto r = inRange("culling.frames_below", lipac.frames_below, 1u, 15u); !r) return r;
   if (auto r = inRange("culling.sight_radius", lipac.sight_radius, 0.0f, 1e6f); !r) return r;
   if (auto r = inRange("culling.sight_blocks", lipac.sight_blocks, 1u, 1'000'000u); !r) return r;
+  if (auto r = inRange("culling.smoothing", lipac.smoothing, 1u, 64u); !r) return r;
   if (auto r = inRange("culling.counted_paths", lipac.counted_paths, 1024u, 16'777'216u); !r) return r;
   if (auto r = inRange("culling.builds", settings.builds, 1u, 1'000'000u); !r) return r;
   if (auto r = inRange("culling.shared_blases.age_limit", settings.shared_blases.age_limit, 1u, 1'000'000u); !r)

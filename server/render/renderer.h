@@ -28,7 +28,7 @@ enum class Primary { raster, traced };
 
 /// Who rasterises primary hits and shadow maps.
 enum class Rasteriser {
-  automatic,  ///< what is fast on the device: compute shaders on GPUs, the graphics pipeline on CPUs
+  automatic,  ///< compute shaders, but for shadow maps on CPUs: what was measured to be fast
   graphics,   ///< the graphics pipeline
   compute     ///< compute shaders
 };

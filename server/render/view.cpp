@@ -72,7 +72,7 @@ std::shared_ptr<PixelPool::Lease> PixelPool::take() {
 
 bool View::isAt(const scene::Camera& camera) const { return same(camera_, camera); }
 
-bool View::computesRaster() const {
+bool View::computesShadows() const {
   return settings_.rasteriser == Rasteriser::compute ||
          (settings_.rasteriser == Rasteriser::automatic && !device_->cpu());
 }
@@ -127,30 +127,31 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
 
 void View::makeRasterTargets(gpu::Commands& commands) {
   const bool primary = settings_.mode == Mode::hybrid && settings_.primary == Primary::raster;
-  const bool shadows = settings_.sun_shadow != SunShadow::rays, computes = computesRaster();
+  const bool shadows = settings_.sun_shadow != SunShadow::rays;
   const uint64_t texels = uint64_t{settings_.width} * settings_.height;
-  if (!primary || computes) depth = {};
-  if (!primary || !computes) keys = {};
-  if (!computes || (!primary && !shadows)) raster_tiles = {};
+  if (!primary || computesPrimary()) depth = {};
+  if (!primary || !computesPrimary()) keys = {};
+  if (!(primary && computesPrimary()) && !(shadows && computesShadows())) raster_tiles = {};
   else if (!raster_tiles)
     raster_tiles = gpu::Buffer(*device_, {"tiles of large triangles",
                                           shared::kShadowCascades * sizeof(shared::RasterTileCount) +
                                               shared::kMostTiles * sizeof(shared::RasterTile),
                                           gpu::MemoryCategory::raster});
-  if (primary && computes && keys.size() != texels * sizeof(uint64_t))
+  if (primary && computesPrimary() && keys.size() != texels * sizeof(uint64_t))
     keys = gpu::Buffer(*device_, {"who is nearest", texels * sizeof(uint64_t), gpu::MemoryCategory::raster});
-  if (primary && !computes && !depth) {
+  if (primary && !computesPrimary() && !depth) {
     depth = gpu::Image(*device_, {"depth", settings_.width, settings_.height, 1, VK_FORMAT_D32_SFLOAT,
                                   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     commands.prepare(depth);
   }
   if (const uint32_t side = shared::kShadowTilesPerRow * settings_.shadow_map_size;
-      shadows && (!shadow_image || shadow_image.width() != side || shadow_bits_ != computes)) {
-    shadow_bits_ = computes;
+      shadows && (!shadow_image || shadow_image.width() != side || shadow_bits_ != computesShadows())) {
+    shadow_bits_ = computesShadows();
     const VkImageUsageFlags bits = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
     shadow_image = gpu::Image(*device_, {"the sun's shadow map", side, side, 1,
-                                         computes ? VK_FORMAT_R32_UINT : VK_FORMAT_D32_SFLOAT, computes ? bits : drawn});
+                                         shadow_bits_ ? VK_FORMAT_R32_UINT : VK_FORMAT_D32_SFLOAT,
+                                         shadow_bits_ ? bits : drawn});
     commands.prepare(shadow_image);
     shadow_constants =
         gpu::Buffer(*device_, {"the shadow map's cascades", sizeof(shared::ShadowMap), gpu::MemoryCategory::raster});

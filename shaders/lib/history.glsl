@@ -19,6 +19,10 @@ bool isNumber(vec4 v) { return all(lessThan(floatBitsToUint(v) & 0x7fffffffu, uv
 
 vec3 stored(vec3 v) { return clamp(v, vec3(0.0), vec3(kMostStored)); }
 
+// Integers below 2^23 as floats: the lowest bits of 2^23 + them. Filters unpack dozens of texels a pixel, and GPUs convert slowly.
+const uint kTwoTo23 = 0x4b000000u;
+vec3 small(uvec3 q) { return uintBitsToFloat(q | kTwoTo23) - uintBitsToFloat(kTwoTo23); }
+
 // ---- The surface that a pixel shows, be it in a mirror ----
 
 // A normal in 2 x 11 bits, octahedral [Cigolle et al. 2014], and 10 bits that tell instances and their mirror images apart.
@@ -29,7 +33,7 @@ uint packSurface(vec3 normal, uint slot, bool mirrored) {
   return q.x | q.y << 11 | ((mirrored ? ~slot : slot) * 2654435761u >> 22) << 22;
 }
 vec3 surfaceNormal(uint packed_surface) {
-  const vec2 e = vec2(packed_surface & 2047u, packed_surface >> 11 & 2047u) / 1023.0 - 1.0;
+  const vec2 e = small(uvec3(packed_surface & 2047u, packed_surface >> 11 & 2047u, 0u)).xy / 1023.0 - 1.0;
   vec3 v = vec3(e, 1.0 - abs(e.x) - abs(e.y));
   if (v.z < 0.0) v.xy = (1.0 - abs(v.yx)) * vec2(v.x >= 0.0 ? 1.0 : -1.0, v.y >= 0.0 ? 1.0 : -1.0);
   return normalize(v);
@@ -39,7 +43,7 @@ vec3 surfaceNormal(uint packed_surface) {
 const uint kSunlitBits = 127u;
 uint packDepth(float depth, bool mirrored) { return floatBitsToUint(max(depth, 0.0)) & ~kSunlitBits | (mirrored ? 0x80000000u : 0u); }
 float surfaceDepth(uint packed_depth) { return uintBitsToFloat(packed_depth & 0x7fffffffu & ~kSunlitBits); }
-float surfaceSunlit(uint packed_depth) { return float(packed_depth & kSunlitBits) / float(kSunlitBits); }
+float surfaceSunlit(uint packed_depth) { return small(uvec3(packed_depth & kSunlitBits)).x / float(kSunlitBits); }
 // `chance` in [0, 1): as packLight()'s.
 uint withSunlit(uint packed_depth, float sunlit, float chance) {
   return packed_depth & ~kSunlitBits | min(uint(clamp(sunlit, 0.0, 1.0) * float(kSunlitBits) + chance), kSunlitBits);
@@ -79,8 +83,8 @@ uint packLight(vec3 c, float chance) {
 }
 uint packLight(vec3 c) { return packLight(c, 0.5); }
 vec3 unpackLight(uint light) {
-  const uvec3 q = uvec3(light & 511u, light >> 9 & 511u, light >> 18 & 511u);
-  return vec3(q) * uintBitsToFloat((light >> 27) + 127u - 24u << 23);  // a power of two
+  const float scale = uintBitsToFloat((light >> 27) + 127u - 24u << 23);  // a power of two
+  return small(uvec3(light & 511u, light >> 9 & 511u, light >> 18 & 511u)) * scale;
 }
 
 // Four 16-bit floats in two words.

@@ -13,7 +13,7 @@ HELIO_CONSTANT kStateActive = 3u;     // in the TLAS
 HELIO_CONSTANT kStates = 4u;
 
 // A state word: state, ticks above and below a threshold in a row, completed cycles, whether it was met on a path of
-// mirrors alone, and hits smoothed over about 16 ticks.
+// mirrors alone, and smoothed hits.
 HELIO_CONSTANT kAboveShift = 2u;
 HELIO_CONSTANT kAboveMost = 7u;  // 3 bits
 HELIO_CONSTANT kGuessed = 1u;  // in place of the ticks above while active: it appeared, and hits have not confirmed it
@@ -25,8 +25,7 @@ HELIO_CONSTANT kMarkedBit = 0x1000u;
 HELIO_CONSTANT kSmoothedShift = 13u;
 HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
 
-HELIO_CONSTANT kSmoothing = 16u;        // ticks
-HELIO_CONSTANT kSmoothingAtRest = 64u;  // where nothing moves, in the end
+HELIO_CONSTANT kSmoothingAtRest = 64u;  // ticks that hits are averaged over where nothing moves, in the end
 HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten, unless nothing moves
 HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
 
@@ -149,7 +148,7 @@ struct LipacTick {
   uint box_below;
   uint own_above;
   uint own_below;
-  uint smoothing;   // ticks that hits are smoothed over: kSmoothing, fewer after a camera cut, more at rest
+  uint smoothing;   // ticks that hits are smoothed over
   uint mitigation;  // 1: what comes into an active hitbox is active at once
   uint box_flags;   // of boxes in the TLAS: VkGeometryInstanceFlagsKHR
   uint literal;     // 1: the paper's rules, without smoothing and damping

@@ -38,7 +38,7 @@ struct Rules {
 
   void take(Model& m, uint32_t hits, uint32_t index) const {
     const uint32_t most = std::min(hits, 524'287u);
-    const uint32_t over = std::min(16 + resting, 64u);
+    const uint32_t over = std::min(settings.smoothing + resting, 64u);
     m.smoothed = settings.literal ? most : ((over - 1) * m.smoothed + most + over / 2) / over;
     if (m.cycles > 0 && resting == 0 && (tick + index) % 256 == 0) --m.cycles;
   }

@@ -43,6 +43,7 @@ class Contestant {
     render::CullingSettings settings;
     settings.lipac.literal = strategy == "lipac_literal";
     settings.lipac.counted_paths = options.counted_paths;
+    settings.lipac.smoothing = options.smoothing;
     if (strategy == "lipac_any_hit") settings.lipac.box_hits = accel::BoxHits::any_hit;
     const bool guided = strategy.starts_with("lipac");
     // distance begins when it is known how many lipac holds.
@@ -296,6 +297,9 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
       ->capture_default_str()
       ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "none", "distance"}));
   addSettingOptions(command, options->settings);
+  command.add_option("--smoothing", options->smoothing, "of lipac: ticks that hits are averaged over")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64).description("1 to 64"));
   command.add_option("--counted-paths", options->counted_paths, "of lipac: paths a tick that count, at most")
       ->capture_default_str()
       ->check(CLI::Range(1024, 16'777'216).description(""));

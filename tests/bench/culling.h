@@ -24,6 +24,7 @@ struct CullingOptions {
   std::vector<std::string> settings;  ///< of the views: NAME=VALUE
   bool builds_aside = false;          ///< on a queue of their own, where the device has one
   uint32_t counted_paths = accel::LipacSettings{}.counted_paths;
+  uint32_t smoothing = accel::LipacSettings{}.smoothing;
   bool one_call_a_blas = false;  ///< BLASes of instances' own are built one by one
   std::string device;
   std::string plot;  ///< an SVG file; empty: none

@@ -45,7 +45,7 @@ void PrimaryRaster::add(const ViewPass& pass, const RasterPass& raster, const gl
                  });
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);
-  if (view.computesRaster())
+  if (view.computesPrimary())
     pass.graph.add("primary_raster", pass.owner,
                    {{&view.draws, ComputeRaster::kDraw},
                     {&view.constants, gpu::use::compute_read},

@@ -76,7 +76,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   const ViewSettings& settings = view.settings();
   shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
   map.image = view.shadow_image.slot();
-  map.bits = view.computesRaster();
+  map.bits = view.computesShadows();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};
   for (uint32_t c = 0; c < shared::kShadowCascades; ++c) volumes[c] = casters(map, c, settings.levels_of_detail);
 
@@ -94,7 +94,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);
   const uint32_t tile = map.tile;
-  if (view.computesRaster())
+  if (view.computesShadows())
     pass.graph.add("shadow_map", pass.owner,
                    {{&view.shadow_draws, ComputeRaster::kDraw},
                     {&view.shadow_constants, gpu::use::compute_read},

@@ -77,11 +77,7 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                      constants.accumulated = view.still() ? last.accumulated : 0;
                      commands.bind(atrous_[i + 1 == kIterations]);
                      commands.push(constants);
-                     // Groups of 16 x 16 pixels of a lattice; whole blocks of lattices.
-                     const auto groups = [&](uint32_t pixels) {
-                       return (pixels + 16 * constants.stride - 1) / (16 * constants.stride) * constants.stride;
-                     };
-                     commands.dispatch(groups(view.settings().width), groups(view.settings().height));
+                     dispatchOver(commands, view, 8);
                    }
                  });
 }
