@@ -9,8 +9,6 @@
 namespace helio::render {
 namespace {
 
-/// Ticks whose light is averaged at most: with a least share of 0.05 a new one counts for, more have no weight.
-constexpr float kMostTicks = 64.0f;
 /// Powers of two that still are floats when light is multiplied or divided by them.
 constexpr float kMostStops = 40.0f;
 
@@ -47,7 +45,6 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
   constants_.tangent = before.tangent;
   constants_.unit = unitOf(exposure);
   constants_.rescale = constants_.valid ? constants_.unit / previous_unit : 1.0f;
-  constants_.most_samples = kMostTicks;
   describeImages();
   camera_ = camera;
   tick_ = tick;
@@ -93,7 +90,7 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
     indirect = buffer_of("indirect light of pixels", uint64_t{width_} * height_ * sizeof(shared::IndirectSample));
   if (denoiser_ == Denoiser::none) return;
   filtered = words("light of the ticks before");
-  samples = half2("samples of light");
+  samples = image("ticks of light", VK_FORMAT_R8G8_UNORM, 2);
   if (denoiser_ == Denoiser::reblur) {
     stabilised = half2("luminance that was shown");
     for (uint32_t level = 0; level < shared::kHistoryMips; ++level)
@@ -118,7 +115,7 @@ void Histories::poison(gpu::Commands& commands) const {
   const auto clear = [&](const gpu::Image& image, const VkClearColorValue& value) {
     if (image) vkCmdClearColorImage(commands.handle(), image.handle(), VK_IMAGE_LAYOUT_GENERAL, &value, 1, &all);
   };
-  clear(samples, nan);
+  clear(samples, {});  // what is no number is 0 in 8 bits
   clear(stabilised, nan);
   clear(spare.deviation, nan);
   for (const gpu::Image* image : {&filtered, &moments, &antialiased}) clear(*image, words_of_nan);

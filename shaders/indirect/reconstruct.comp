@@ -21,7 +21,7 @@ const int kLog2SigmaNormalOfRays = 3;  // 8: a ray that another normal has drawn
 float likeness(SurfaceTexel here, SurfaceTexel there, float gradient, float pixels) {
   if (!kReuse) return geometryWeight(here, there, gradient, pixels);
   if (there.depth == 0.0 || here.mirrored != there.mirrored) return 0.0;
-  float alike = max(dot(here.normal, there.normal), 0.0);
+  float alike = max(cosine(here, there), 0.0);
   for (int i = 0; i < kLog2SigmaNormalOfRays; ++i) alike *= alike;
   const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * here.depth;
   return alike * exp(-abs(here.depth - there.depth) / tolerance);
@@ -42,7 +42,7 @@ vec2 lobes(vec3 normal, vec3 view, float alpha, vec3 wi) {
 LobeLight reconstructed(ivec2 pixel, SurfaceTexel here) {
   IndirectTable table = IndirectTable(frame.indirect);
   const IndirectSample own = table.items[indirectIndex(uvec2(pixel))];
-  const vec3 view = octahedral(own.view);
+  const vec3 view = octahedral(own.view), normal = normalOf(here);
   const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
   LobeLight sum = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(0.0));  // deviation: sums of weights
   const ivec2 block = pixel / ivec2(kIndirectBlock);
@@ -61,7 +61,7 @@ LobeLight reconstructed(ivec2 pixel, SurfaceTexel here) {
       if (w <= 0.0) continue;
       const vec3 light = ray.pdf > 0.0 ? unpackLight(ray.light) : vec3(0.0);
       if (kReuse) {
-        const vec2 weights = w * min(lobes(here.normal, view, own.alpha, octahedral(ray.direction)) / ray.pdf, vec2(kMostWeight));
+        const vec2 weights = w * min(lobes(normal, view, own.alpha, octahedral(ray.direction)) / ray.pdf, vec2(kMostWeight));
         for (uint s = 0u; s < kSignals; ++s) sum.rgb[s] += weights[s] * light;
         sum.deviation += weights;
       } else {

@@ -31,6 +31,6 @@ void main() {
              unpackAlbedo(albedos.y) * light.rgb[1]) / history.unit;
   } else if (kInspect == kInspectDiffuse) shown = unpackLight(imageLoad(images_rg32ui[history.filtered], pixel).x) / history.unit;
   else if (kInspect == kInspectSpecular) shown = unpackLight(imageLoad(images_rg32ui[history.filtered], pixel).y) / history.unit;
-  else if (kInspect == kInspectSamples) shown.xy = imageLoad(images_rg16f[history.samples], pixel).xy;
+  else if (kInspect == kInspectSamples) shown.xy = gatheredTicks(pixel);
   imageStore(images_rgba32f[frame.radiance], pixel, vec4(shown, 1.0));
 }

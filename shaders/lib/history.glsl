@@ -32,6 +32,7 @@ uint packSurface(vec3 normal, uint slot, bool mirrored) {
   const uvec2 q = uvec2(round(clamp(0.5 + 0.5 * e, 0.0, 1.0) * 2046.0));
   return q.x | q.y << 11 | ((mirrored ? ~slot : slot) * 2654435761u >> 22) << 22;
 }
+const uint kNormalBits = 0x3fffffu;
 vec3 surfaceNormal(uint packed_surface) {
   const vec2 e = small(uvec3(packed_surface & 2047u, packed_surface >> 11 & 2047u, 0u)).xy / 1023.0 - 1.0;
   vec3 v = vec3(e, 1.0 - abs(e.x) - abs(e.y));
@@ -90,6 +91,11 @@ vec3 unpackLight(uint light) {
 // Four 16-bit floats in two words.
 uvec2 packHalf4(vec4 v) { return uvec2(packHalf2x16(v.xy), packHalf2x16(v.zw)); }
 vec4 unpackHalf4(uvec2 v) { return vec4(unpackHalf2x16(v.x), unpackHalf2x16(v.y)); }
+
+// ---- How many ticks a texel's mean is made of, by lobe: in quarters, kMostTicksOfLight at most ----
+const float kTicksOfOne = 255.0 / 4.0;
+vec2 gatheredTicks(ivec2 pixel) { return kTicksOfOne * imageLoad(images_rg8[history.samples], pixel).xy; }
+void keepTicks(ivec2 pixel, vec2 ticks) { imageStore(images_rg8[history.samples], pixel, vec4(ticks / kTicksOfOne, 0.0, 0.0)); }
 
 // Of this tick, or on its way through a denoiser: by the diffuse and the specular lobe, over their albedos.
 struct LobeLight {

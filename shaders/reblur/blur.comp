@@ -51,10 +51,10 @@ vec2 radii(ivec2 pixel, float hit_factor) {
   const float scale = sqrt(float(frame.height) / kRowsOfRadius);
   const vec2 lobe = vec2(1.0, lobeWidth(roughnessAt(pixel)));
   if (kStage == kPreblur) return max(kPreblurRadius * scale * hit_factor * lobe, vec2(0.0));
-  const vec2 gathered = imageLoad(images_rg16f[history.samples], pixel).xy;
+  const vec2 gathered = gatheredTicks(pixel);
   // A mean of n samples is as smooth as n taps: the disk's area falls with it.
   const float stage = kStage == kPostblur ? kPostblurScale : 1.0;
-  return max(kRadius * scale * stage * hit_factor * lobe * inversesqrt(1.0 + max(gathered, vec2(0.0))), kLeastRadius * lobe);
+  return max(kRadius * scale * stage * hit_factor * lobe * inversesqrt(1.0 + gathered), kLeastRadius * lobe);
 }
 
 void main() {
@@ -75,9 +75,9 @@ void main() {
   if (here.depth > 0.0) {
     const float gradient = gradientAt(pixel);
     const vec2 radius = radii(pixel, hit_factor), sharpness = lobeSharpness(roughnessAt(pixel));
-    const float gathered = kStage == kPreblur ? 1.0 : imageLoad(images_rg16f[history.samples], pixel).x;
+    const float gathered = kStage == kPreblur ? 1.0 : gatheredTicks(pixel).x;
     const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
-    const TangentDisk disk = tangentDisk(pixel, here.normal, here.depth, here.mirrored);
+    const TangentDisk disk = tangentDisk(pixel, normalOf(here), here.depth, here.mirrored);
     vec2 sum = vec2(1.0);
     // A dropped sample is no darkness.
     if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0) sum = vec2(1e-4);

@@ -54,5 +54,5 @@ void main() {
     }
   }
   writeLobes(filter_.target, pixel, light, 0.5);
-  imageStore(images_rg16f[history.samples], pixel, vec4(ticks, 0.0, 0.0));
+  keepTicks(pixel, ticks);
 }

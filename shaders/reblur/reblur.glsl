@@ -30,7 +30,7 @@ float gradientAt(ivec2 pixel) { return imageLoad(images_rgba16f[history.motion],
 float lobeLikeness(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels, float sharpness) {
   if (b.depth == 0.0 || a.mirrored != b.mirrored) return 0.0;
   const float tolerance = kSigmaDepth * gradient * pixels + 1e-3 * a.depth;
-  return pow(max(dot(a.normal, b.normal), 0.0), sharpness) * exp(-abs(a.depth - b.depth) / tolerance);
+  return pow(max(cosine(a, b), 0.0), sharpness) * exp(-abs(a.depth - b.depth) / tolerance);
 }
 // Diffuse light changes slowly with the normal; a GGX lobe of alpha a is about as wide as a cosine to the power of 2 / a^2.
 vec2 lobeSharpness(float roughness) { return vec2(16.0, clamp(2.0 / max(pow(roughness, 4.0), 1e-4), 16.0, 256.0)); }

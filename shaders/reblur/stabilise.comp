@@ -49,7 +49,7 @@ void main() {
     mean /= count;
     const vec2 reach = kDeviations * sqrt(max(square / count - mean * mean, vec2(0.0)));
     const vec3 before = shownBefore(pixel, here);
-    const vec2 ticks = imageLoad(images_rg16f[history.samples], pixel).xy;
+    const vec2 ticks = gatheredTicks(pixel);
     if (before.z > 0.0) {
       const vec2 fitting = clamp(before.xy, mean - reach, mean + reach);
       // A young history is followed at once.

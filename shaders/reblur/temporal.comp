@@ -24,11 +24,9 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
   if (!continuesSurface(there, here, depth, gradient)) return;
-  const vec4 ticks = vec4(imageLoad(images_rg16f[history.samples], texel).xy, 0.0, 0.0);
-  if (!isNumber(ticks)) return;
   const Lobes light = readLobes(history.filtered, texel);  // cannot be but numbers
   for (uint s = 0u; s < kSignals; ++s) sum.light.rgb[s] += weight * light.rgb[s];
-  sum.ticks += weight * ticks.xy;
+  sum.ticks += weight * gatheredTicks(texel);
   sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
@@ -56,7 +54,7 @@ History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
 float mostSpecularTicks(ivec2 pixel, SurfaceTexel here) {
   const float roughness = roughnessAt(pixel), moved = distance(frame.position, history.position) / max(here.depth, 1e-3);
   const float followed = 32.0 * (1.0 - exp2(-200.0 * roughness * roughness)) * sqrt(roughness);
-  return mix(history.most_samples, followed, clamp(moved * 100.0, 0.0, 1.0));
+  return mix(float(kMostTicksOfLight), followed, clamp(moved * 100.0, 0.0, 1.0));
 }
 
 // What the blurred samples around say of the instance: mean of the luminance, and how far off a history may be.
@@ -68,7 +66,7 @@ void judge(ivec2 pixel, SurfaceTexel here, out vec2 mean, out vec2 reach) {
       const ivec2 at = pixel + ivec2(x, y) * kWindowStride;
       if (!inPicture(at)) continue;
       const SurfaceTexel there = readSurface(history.surface, at);
-      if (there.depth == 0.0 || there.instance != here.instance || there.mirrored != here.mirrored) continue;
+      if (there.depth == 0.0 || instanceOf(there) != instanceOf(here) || there.mirrored != here.mirrored) continue;
       const vec2 l = luminances(readLobes(filter_.source, at));
       first += l;
       second += l * l;
@@ -92,7 +90,7 @@ void main() {
     if (before.weight > 0.0) {
       vec2 mean, reach;
       judge(pixel, here, mean, reach);
-      const vec2 most = vec2(history.most_samples, mostSpecularTicks(pixel, here));
+      const vec2 most = vec2(kMostTicksOfLight, mostSpecularTicks(pixel, here));
       const float sunlit_before = before.sunlit / before.weight;
       if (dropped) here.sunlit = sunlit_before;
       const float moved = shadowMoved(here, sunlit_before);

@@ -15,6 +15,9 @@ HELIO_CONSTANT kNoUnit = 0xffffffffu;
 // Coarser images of light that the history fix of ReBLUR reads, each half of the one before.
 HELIO_CONSTANT kHistoryMips = 4u;
 
+// Ticks whose light is averaged at most: with a least share of 0.05 a new one counts for, more have no weight.
+HELIO_CONSTANT kMostTicksOfLight = 63u;
+
 // A view's, of one tick. Images are slots of the bindless set; 0 where the settings do not call for them.
 //
 // Radiance is stored in 16-bit floats, times `unit`: a power of two near the exposure, so that white is about 1.
@@ -36,7 +39,6 @@ struct HistoryConstants {
 
   float unit;
   float rescale;       // from values of the tick before to values of this one: units are no constants
-  float most_samples;  // of a texel's history
 
   uint motion;  // rgba16f: to the tick before, in pixels and metres of depth; and |gradient of depth| a pixel
   // Of A-SVGF (shared/gradients.h).
@@ -62,7 +64,7 @@ struct HistoryConstants {
   uint spare_deviation;
   uint filtered;  // rg32ui: packLight(), diffuse and specular: the mean over ticks that the next one goes on from
   uint moments;   // rg32ui: packHalf4() of a sample's luminance: mean and standard deviation, diffuse then specular
-  uint samples;   // rg16f: in the history; diffuse, specular
+  uint samples;   // rg8: ticks in the history, in quarters; diffuse, specular
   // Of ReBLUR (shaders/reblur/reblur.glsl).
   uint stabilised;          // rg16f: luminance of what was shown in the tick before: diffuse, specular
   uint mips[kHistoryMips];  // rg32ui: light by lobe, this tick's mean

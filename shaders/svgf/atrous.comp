@@ -7,22 +7,34 @@
 #include "svgf/filter.glsl"
 #include "svgf/picture.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+const int kGroup = 8, kTile = kGroup + 2;
+layout(local_size_x = kGroup, local_size_y = kGroup) in;
 layout(constant_id = 0) const bool kLast = false;
 
 const float kKernel[3] = float[](3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0);  // B3 spline
 
+shared vec2 variances[kTile * kTile];  // of the group's pixels and one around them; negative beyond the picture
+
+void fetchVariances() {
+  const ivec2 corner = ivec2(gl_WorkGroupID.xy) * kGroup - 1;
+  for (int i = int(gl_LocalInvocationIndex); i < kTile * kTile; i += kGroup * kGroup) {
+    const ivec2 at = corner + ivec2(i % kTile, i / kTile);
+    const vec2 deviation = inPicture(at) ? imageLoad(images_rg16f[filter_.source_deviation], at).xy : vec2(0.0);
+    variances[i] = inPicture(at) ? deviation * deviation : vec2(-1.0);
+  }
+  barrier();
+}
+
 // Standard deviation, smoothed by a 3 x 3 Gaussian: single estimates are too noisy to steer by.
-vec2 smoothDeviation(ivec2 pixel) {
+vec2 smoothDeviation() {
+  const ivec2 middle = ivec2(gl_LocalInvocationID.xy) + 1;
   vec2 variance = vec2(0.0);
   float sum = 0.0;
   for (int y = -1; y <= 1; ++y)
     for (int x = -1; x <= 1; ++x) {
-      const ivec2 at = pixel + ivec2(x, y);
-      if (!inPicture(at)) continue;
-      const float w = (x == 0 ? 0.5 : 0.25) * (y == 0 ? 0.5 : 0.25);
-      const vec2 deviation = imageLoad(images_rg16f[filter_.source_deviation], at).xy;
-      variance += w * deviation * deviation;
+      const vec2 there = variances[(middle.y + y) * kTile + middle.x + x];
+      const float w = there.x < 0.0 ? 0.0 : (x == 0 ? 0.5 : 0.25) * (y == 0 ? 0.5 : 0.25);
+      variance += w * there;
       sum += w;
     }
   return sqrt(variance / sum);
@@ -32,8 +44,8 @@ vec2 smoothDeviation(ivec2 pixel) {
 const float kLeastAlike = 1e-3, kMostApart = 7.0;  // exp(-7) = 1e-3
 
 LobeLight filteredLight(ivec2 pixel, SurfaceTexel here, LobeLight own) {
-  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w, samples = imageLoad(images_rg16f[history.samples], pixel).x;
-  const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation(pixel) + 1e-5);
+  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w, samples = gatheredTicks(pixel).x;
+  const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation() + 1e-5);
   const float per_sunlit = 1.0 / sunlitTolerance(samples);
   const vec2 l = vec2(luminance(own.rgb[0]), luminance(own.rgb[1]));
   vec2 sum = vec2(kKernel[0] * kKernel[0]);
@@ -46,7 +58,7 @@ LobeLight filteredLight(ivec2 pixel, SurfaceTexel here, LobeLight own) {
       const SurfaceTexel there = readSurface(history.surface, at);
       // As geometryWeight() and sunlitWeight(); of a product of exponentials, the exponents' sum.
       if (there.depth == 0.0 || there.mirrored != here.mirrored) continue;
-      const float alike = normalWeight(here.normal, there.normal);
+      const float alike = normalWeight(here, there);
       const float tolerance = depthTolerance(here.depth, gradient, length(vec2(x, y)) * float(filter_.stride));
       const float apart = abs(here.depth - there.depth) / tolerance + abs(here.sunlit - there.sunlit) * per_sunlit;
       if (alike < kLeastAlike || apart > kMostApart) continue;
@@ -62,6 +74,7 @@ LobeLight filteredLight(ivec2 pixel, SurfaceTexel here, LobeLight own) {
 
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  fetchVariances();
   if (!inPicture(pixel)) return;
   const SurfaceTexel here = readSurface(history.surface, pixel);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);

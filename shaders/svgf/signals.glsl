@@ -11,21 +11,27 @@ const int kLog2SigmaNormal = 7;  // 128
 const float kSigmaLuminance = 4.0;
 
 struct SurfaceTexel {
-  vec3 normal;
-  float depth;  // metres; 0: nothing is there
-  uint instance;
+  uint packed_surface;  // normal and instance
+  float depth;          // metres; 0: nothing is there
   bool mirrored;
   float sunlit;  // share of the sun's light that reaches it, [0, 1]
 };
 
 SurfaceTexel readSurface(uint image, ivec2 pixel) {
   const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
-  return SurfaceTexel(surfaceNormal(texel.x), surfaceDepth(texel.y), surfaceInstance(texel.x), surfaceMirrored(texel.y), surfaceSunlit(texel.y));
+  return SurfaceTexel(texel.x, surfaceDepth(texel.y), surfaceMirrored(texel.y), surfaceSunlit(texel.y));
+}
+
+vec3 normalOf(SurfaceTexel t) { return surfaceNormal(t.packed_surface); }
+uint instanceOf(SurfaceTexel t) { return surfaceInstance(t.packed_surface); }
+// Between normals. Most neighbours have the very same one.
+float cosine(SurfaceTexel a, SurfaceTexel b) {
+  return ((a.packed_surface ^ b.packed_surface) & kNormalBits) == 0u ? 1.0 : dot(normalOf(a), normalOf(b));
 }
 
 // Eq. 4.
-float normalWeight(vec3 a, vec3 b) {
-  float alike = max(dot(a, b), 0.0);
+float normalWeight(SurfaceTexel a, SurfaceTexel b) {
+  float alike = max(cosine(a, b), 0.0);
   for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
   return alike;
 }
@@ -37,7 +43,7 @@ float depthTolerance(float depth, float gradient, float pixels) { return kSigmaD
 float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) {
   // Around a ball of mirror the ground that it shows lies as the ground itself does, and has another light.
   if (b.depth == 0.0 || a.mirrored != b.mirrored) return 0.0;
-  return normalWeight(a.normal, b.normal) * exp(-abs(a.depth - b.depth) / depthTolerance(a.depth, gradient, pixels));
+  return normalWeight(a, b) * exp(-abs(a.depth - b.depth) / depthTolerance(a.depth, gradient, pixels));
 }
 
 // An edge that no noise hides: by day the sun's shadows are the sharpest and darkest of the picture, and what reaches lit surfaces
@@ -59,7 +65,7 @@ const float kAlikeNormals = 0.9;  // cosine
 
 // Whether a texel of the tick before shows the surface of a pixel, which was at `depth` then.
 bool continuesSurface(SurfaceTexel there, SurfaceTexel here, float depth, float gradient) {
-  if (there.depth == 0.0 || there.instance != here.instance || dot(there.normal, here.normal) < kAlikeNormals) return false;
+  if (there.depth == 0.0 || instanceOf(there) != instanceOf(here) || cosine(there, here) < kAlikeNormals) return false;
   return abs(there.depth - depth) <= 2.0 * gradient + 0.01 * depth;
 }
 

@@ -32,12 +32,11 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
   if (!continuesSurface(there, here, depth, gradient)) return;
   const uvec2 light = imageLoad(images_rg32ui[history.filtered], texel).xy;  // cannot be but numbers
   const vec4 m = unpackHalf4(imageLoad(images_rg32ui[history.moments], texel).xy);
-  const vec4 samples = vec4(imageLoad(images_rg16f[history.samples], texel).xy, 0.0, 0.0);
-  if (!isNumber(m) || !isNumber(samples)) return;
+  if (!isNumber(m)) return;
   sum.light[0] += weight * unpackLight(light.x);
   sum.light[1] += weight * unpackLight(light.y);
   sum.moments += weight * vec4(m.x, m.y * m.y + m.x * m.x, m.z, m.w * m.w + m.z * m.z);
-  sum.samples += weight * samples.xy;
+  sum.samples += weight * gatheredTicks(texel);
   sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
@@ -90,7 +89,7 @@ void main() {
     const float scale = known ? history.rescale / before.weight : 0.0;
     for (uint s = 0u; s < kSignals; ++s) {
       const float count = known ? before.samples[s] / before.weight * (1.0 - change[s]) : 0.0;
-      samples[s] = min(count + (dropped ? 0.0 : 1.0), history.most_samples);
+      samples[s] = min(count + (dropped ? 0.0 : 1.0), float(kMostTicksOfLight));
       const float plain = 1.0 / max(samples[s], 1.0);
       float share = mix(max(plain, kLeastShare), 1.0, change[s]), share_of_moments = mix(max(plain, kLeastShareOfMoments), 1.0, change[s]);
       if (dropped) share = share_of_moments = known ? 0.0 : 1.0;

@@ -69,7 +69,7 @@ void main() {
   const uvec2 moments = imageLoad(images_rg32ui[history.spare], pixel).xy;
   const vec2 samples = imageLoad(images_rg16f[history.spare_deviation], pixel).xy;
   imageStore(images_rg32ui[history.moments], pixel, uvec4(moments, 0u, 0u));
-  imageStore(images_rg16f[history.samples], pixel, vec4(samples, 0.0, 0.0));
+  keepTicks(pixel, samples);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
   const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
   if (here.depth > 0.0) light.rgb = withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
