@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <iterator>
 
 #include "accel/strategy.h"
 
@@ -22,7 +22,9 @@ bool contains(const shared::CullVolume& volume, const glm::vec3& centre, float r
   return inFrustum(volume, centre, volume.radius - radius);
 }
 
-bool same(const shared::CullVolume& a, const shared::CullVolume& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same(const shared::CullVolume& a, const shared::CullVolume& b) {
+  return a.position == b.position && a.radius == b.radius && std::equal(a.sides, std::end(a.sides), b.sides);
+}
 
 bool isCut(const shared::CullVolume& before, const shared::CullVolume& now) {
   return glm::distance(before.position, now.position) > kCutMetres ||

@@ -45,8 +45,8 @@ class Appearance {
   const std::vector<uint32_t>& units() const { return units_; }
   /// Edited slots that somebody sees.
   const std::vector<uint32_t>& slots() const { return slots_; }
-  /// Ticks that hits are averaged over: since a camera cut, LipacSettings::smoothing at most. What was met before it says
-  /// nothing about the new view.
+  /// Ticks that hits are averaged over: since a camera cut, LipacSettings::smoothing at most. What was met before it
+  /// says nothing about the new view.
   uint32_t smoothing() const { return smoothing_; }
   uint64_t visits() const { return visits_; }  ///< blocks and instances that begin() looked at
 

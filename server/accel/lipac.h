@@ -116,7 +116,7 @@ class Lipac {
 
   shared::LipacTick tick_{};
   uint32_t ticks_ = 0;
-  uint32_t resting_ = 0;  // ticks in a row in which nothing moved
+  uint32_t resting_ = 0;        // ticks in a row in which nothing moved
   uint32_t entries_known_ = 0;  // that were wanted kDelay ticks ago; 0: not known
   std::set<uint32_t> granted_;
   std::vector<shared::LipacCommand> asked_;  // this tick's, most hits first

@@ -149,9 +149,9 @@ void View::makeRasterTargets(gpu::Commands& commands) {
     shadow_bits_ = computesShadows();
     const VkImageUsageFlags bits = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;
-    shadow_image = gpu::Image(*device_, {"the sun's shadow map", side, side, 1,
-                                         shadow_bits_ ? VK_FORMAT_R32_UINT : VK_FORMAT_D32_SFLOAT,
-                                         shadow_bits_ ? bits : drawn});
+    shadow_image =
+        gpu::Image(*device_, {"the sun's shadow map", side, side, 1,
+                              shadow_bits_ ? VK_FORMAT_R32_UINT : VK_FORMAT_D32_SFLOAT, shadow_bits_ ? bits : drawn});
     commands.prepare(shadow_image);
     shadow_constants =
         gpu::Buffer(*device_, {"the shadow map's cascades", sizeof(shared::ShadowMap), gpu::MemoryCategory::raster});

@@ -41,7 +41,7 @@ struct Drawn {
 // The command whose triangles hold this one: the last that begins at or before it.
 uint commandOf(uint triangle, uint first, uint count) {
   WordTable begins = WordTable(raster.commands + uint64_t(kCommandBytes + 4u) * raster.draw_count);
-  uint low = 0u, high = count;  // of all commands before `low` + 1 it is not before their first
+  uint low = 0u, high = count;  // it is one of these, `high` left out
   while (high - low > 1u) {
     const uint middle = (low + high) / 2u;
     if (begins.items[first + middle] <= triangle) low = middle;

@@ -38,7 +38,7 @@ struct HistoryConstants {
   uint unit_of_slot_size;  // slots in the table
 
   float unit;
-  float rescale;       // from values of the tick before to values of this one: units are no constants
+  float rescale;  // from values of the tick before to values of this one: units are no constants
 
   uint motion;  // rgba16f: to the tick before, in pixels and metres of depth; and |gradient of depth| a pixel
   // Of A-SVGF (shared/gradients.h).

@@ -26,8 +26,8 @@ HELIO_CONSTANT kSmoothedShift = 13u;
 HELIO_CONSTANT kSmoothedMost = 0x7ffffu;  // 19 bits
 
 HELIO_CONSTANT kSmoothingAtRest = 64u;  // ticks that hits are averaged over where nothing moves, in the end
-HELIO_CONSTANT kCycleDecay = 256u;    // ticks until a cycle is forgotten, unless nothing moves
-HELIO_CONSTANT kNever = 0xffffffffu;  // a threshold that nothing reaches
+HELIO_CONSTANT kCycleDecay = 256u;      // ticks until a cycle is forgotten, unless nothing moves
+HELIO_CONSTANT kNever = 0xffffffffu;    // a threshold that nothing reaches
 
 // A counter of a tick: weighted hits in 1/8, so that a hit in a picture of 1920 x 1080 paths weighs 8.
 HELIO_CONSTANT kHitUnit = 8u;

@@ -13,8 +13,8 @@ HELIO_CONSTANT kMostTiles = 1048576u;  // a pass, all volumes together; what has
 HELIO_CONSTANT kSmallTriangle = 64u;   // pixels of its bounds that a thread draws by itself
 HELIO_CONSTANT kSubpixelBits = 8u;     // of a corner's place on the screen
 
-// Who was drawn: the place of the triangle among all of the volume's, commands one behind the other, and this bit for those
-// that ask a mask.
+// Who was drawn: the place of the triangle among all of the volume's, commands one behind the other, and this bit for
+// those that ask a mask.
 HELIO_CONSTANT kMaskedTriangle = 0x80000000u;
 // In a tile's place: the triangle reaches behind the eye.
 HELIO_CONSTANT kTriangleCrosses = 0x80000000u;

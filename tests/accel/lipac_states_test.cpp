@@ -136,7 +136,8 @@ class LipacStates : public LipacFixture {
 
       commands.begin();
       rules.resting = t / 64 % 2 == 1 ? rules.resting + 1 : 0;
-      lipac.upload(commands, {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.resting > 0},
+      lipac.upload(commands,
+                   {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.resting > 0},
                    kInstances);
       barrier();
       lipac.assemble(commands, output.address(), 64);

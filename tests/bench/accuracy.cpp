@@ -230,17 +230,22 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
   auto scene = makeScene(options.stage);
   if (!scene) return scene.error();
-  const auto camera = findCamera(**scene, options.stage.camera);
-  if (!camera) return camera.error();
+  const auto named = findCamera(**scene, options.stage.camera);
+  if (!named) return named.error();
+  scene::NamedCamera camera = **named;
+  if (options.mirror) {
+    scene = withMirror(**scene, camera.camera);
+    camera.name += " in a mirror";
+  }
   auto renderer = render::makeRenderer(options.renderer);
   if (!renderer) return renderer.error();
 
   AccuracyReport report;
   report.provenance = provenance((*renderer)->device(), command_line);
   report.scene = (*scene)->name;
-  report.camera = (*camera)->name;
+  report.camera = camera.name;
   report.options = options;
-  auto references = renderReferences(**renderer, *scene, **camera, options);
+  auto references = renderReferences(**renderer, *scene, camera, options);
   if (!references) return references.error();
   const Reference* reference = &references->last();
   if (references->frames.size() > 1)
@@ -255,7 +260,7 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   {
     Progress progress("settings", settings.size());
     for (const AccuracySetting& setting : settings) {
-      auto point = measureSetting(**renderer, *scene, **camera, setting, *references, options);
+      auto point = measureSetting(**renderer, *scene, camera, setting, *references, options);
       if (!point) return point.error();
       report.points.push_back(std::move(*point));
       progress.step();
@@ -318,6 +323,7 @@ void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& 
       ->capture_default_str();
   command.add_option("--out", options->out, "a folder for the report")->capture_default_str();
   addSettingOptions(command, options->settings);
+  command.add_flag("--mirror", options->mirror, "looks into a mirror that shows the camera's view");
   command.add_flag("--pfm", options->pfm,
                    "also writes linear radiance: the reference, and each setting's last picture");
   addDeviceOptions(command, options->renderer);

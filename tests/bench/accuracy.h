@@ -31,6 +31,7 @@ struct AccuracyOptions {
   uint32_t reference_bounces = 8;
   std::string out = "out/accuracy";
   std::vector<std::string> settings;  ///< NAME=VALUE, of the base that every axis changes one thing of
+  bool mirror = false;                ///< the camera looks into a mirror that shows its view
   bool pfm = false;  ///< also writes the linear radiance of the reference and of each setting's last run
   render::RendererOptions renderer;
   bool json = false;

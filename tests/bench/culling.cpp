@@ -11,7 +11,6 @@
 #include "bench/image.h"
 #include "bench/progress.h"
 #include "bench/settings.h"
-#include "stream/picture.h"
 
 namespace helio::bench {
 namespace {
@@ -191,19 +190,6 @@ Result<void> matchDistance(const std::vector<std::unique_ptr<Contestant>>& conte
   };
   const auto lipac = find("lipac"), distance = find("distance");
   return distance == contestants.end() ? Result<void>() : (*distance)->holdNearest((*lipac)->active());
-}
-
-/// STRATEGY.png, and STRATEGY.error.png: redder where it is brighter than full, bluer where darker, full colour at 10
-/// %.
-Result<void> writePictures(const std::string& folder, const std::string& strategy, const Image& image,
-                           const Image& truth) {
-  const auto write = [&](const std::string& file, const std::vector<uint8_t>& rgbx) -> Result<void> {
-    const auto png = stream::encodePng({rgbx.data(), image.width, image.height});
-    if (!png) return png.error();
-    return writeFile(folder + "/" + file, *png);
-  };
-  if (auto written = write(strategy + ".png", tonemapped(image, truth)); !written) return written;
-  return write(strategy + ".error.png", differencePicture(image, truth, 0.1));
 }
 
 Result<void> measureCulling(const CullingOptions& options, const std::string& command_line) {

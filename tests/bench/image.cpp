@@ -8,6 +8,9 @@
 #include <functional>
 #include <numeric>
 
+#include "bench/files.h"
+#include "stream/picture.h"
+
 namespace helio::bench {
 namespace {
 
@@ -89,6 +92,16 @@ std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double sc
     rgba.insert(rgba.end(), {byte(0.5 + 0.5 * t), byte(0.5 - 0.5 * std::abs(t)), byte(0.5 - 0.5 * t), 255});
   }
   return rgba;
+}
+
+Result<void> writePictures(const std::string& folder, const std::string& name, const Image& image, const Image& truth) {
+  const auto write = [&](const std::string& file, const std::vector<uint8_t>& rgbx) -> Result<void> {
+    const auto png = stream::encodePng({rgbx.data(), image.width, image.height});
+    if (!png) return png.error();
+    return writeFile(folder + "/" + file, *png);
+  };
+  if (auto written = write(name + ".png", tonemapped(image, truth)); !written) return written;
+  return write(name + ".error.png", differencePicture(image, truth, 0.1));
 }
 
 }  // namespace helio::bench

@@ -28,4 +28,8 @@ std::vector<uint8_t> tonemapped(const Image& image, const Image& exposure);
 /// colour at `scale`.
 std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double scale);
 
+/// Into a folder that is there: NAME.png, exposed as `truth` is, and NAME.error.png: redder where it is brighter than
+/// `truth`, bluer where darker, full colour at 10 %.
+Result<void> writePictures(const std::string& folder, const std::string& name, const Image& image, const Image& truth);
+
 }  // namespace helio::bench

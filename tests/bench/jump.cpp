@@ -8,8 +8,8 @@
 #include "bench/plot.h"
 #include "bench/progress.h"
 #include "bench/report.h"
+#include "bench/stage.h"
 #include "bench/statistics.h"
-#include "support/scenes.h"
 
 namespace helio::bench {
 namespace {
@@ -34,6 +34,7 @@ struct JumpOptions {
   uint32_t empty = 60;   // ticks of the empty view
   uint32_t frames = 60;  // behind the jump
   uint32_t settle = 90;  // ticks behind those, before hits are read
+  std::string pictures;  // a folder
 };
 
 struct JumpFrame {
@@ -69,27 +70,6 @@ struct JumpReport {
   uint32_t width = 0, height = 0;
   std::vector<Arrival> arrivals;
 };
-
-/// The scene with a mirror as wide as a street block, and the camera that looks into it: it shows what stands behind.
-scene::ScenePtr withMirror(const scene::Scene& city, scene::Camera& camera) {
-  scene::Scene scene = city;
-  scene::Mesh mesh = test::quad(1.0f);
-  scene.materials.push_back(test::metal(glm::vec3(0.95f), 0.0f));
-  mesh.name = "mirror";
-  mesh.submeshes = {{0, 6, static_cast<uint32_t>(scene.materials.size() - 1)}};
-  mesh.finish();
-  scene.meshes.push_back(std::move(mesh));
-  scene.prefabs.push_back({"mirror", "test", static_cast<uint32_t>(scene.meshes.size() - 1), true});
-  // Seen from behind itself the camera's view is what the mirror shows.
-  constexpr float kWide = 30.0f, kAway = 12.0f;
-  const glm::vec3 right = glm::normalize(glm::cross(camera.forward, camera.up));
-  const glm::vec3 up = glm::cross(right, camera.forward);
-  const glm::vec3 place = camera.position - camera.forward * kAway;
-  scene.placements.push_back({static_cast<uint32_t>(scene.prefabs.size() - 1),
-                              glm::mat4x3(right * kWide, camera.forward * kWide, -up * kWide, place)});
-  camera.forward = -camera.forward;
-  return std::make_shared<scene::Scene>(std::move(scene));
-}
 
 class Arriving {
  public:
@@ -142,7 +122,12 @@ class Arriving {
       shown.built = frame->stats.acceleration.blases_built;
       shown.entries = f.entries;
       shown.cpu_visits = f.cpu_visits;
-      shown.relative_mse = relativeMse(imageOf(std::move(*frame)), imageOf(std::move(*truth)));
+      const Image image = imageOf(std::move(*frame)), expected = imageOf(std::move(*truth));
+      shown.relative_mse = relativeMse(image, expected);
+      if (!options_.pictures.empty()) {
+        const std::string name = fmt::format("{}_{}_{:02}", arrival.name, mitigation ? "on" : "off", i);
+        if (auto written = writePictures(options_.pictures, name, image, expected); !written) return written.error();
+      }
       arrival.frames.push_back(shown);
     }
     std::vector<double> settled_ms;
@@ -306,6 +291,8 @@ void addJumpCommand(CLI::App& app, const std::string& command_line, Action& chos
   command.add_option("--to", options->to, "view: the camera's; mirror: the same, seen in a mirror alone")
       ->capture_default_str()
       ->check(CLI::IsMember({"view", "mirror"}));
+  command.add_option("--pictures", options->pictures,
+                     "folder for each frame's picture, and its difference from no culling, as PNG");
   command.add_option("--empty", options->empty, "ticks of the empty view ahead of the jump")->capture_default_str();
   command.add_option("--frames", options->frames, "after the jump, 1 to 10,000")
       ->capture_default_str()

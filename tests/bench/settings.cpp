@@ -54,7 +54,7 @@ Result<void> apply(const std::vector<std::string>& assignments, render::ViewSett
     const auto setter = setters().find(name);
     if (equals == std::string::npos || setter == setters().end()) {
       std::string known;
-      for (const auto& [candidate, _] : setters()) known += (known.empty() ? "" : ", ") + candidate;
+      for (const auto& [candidate, _] : setters()) known.append(known.empty() ? "" : ", ").append(candidate);
       return invalid("set", assignment, "--set " + assignment + ": give NAME=VALUE with a name of " + known);
     }
     double value = 0.0;

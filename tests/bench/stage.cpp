@@ -8,6 +8,7 @@
 
 #include "scene/city.h"
 #include "scene/gltf.h"
+#include "support/scenes.h"
 
 namespace helio::bench {
 namespace {
@@ -48,6 +49,26 @@ Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const st
   for (const scene::NamedCamera& camera : scene.cameras) names += (names.empty() ? "" : ", ") + camera.name;
   return Error{
       ErrorKind::not_found, "the scene has no camera \"" + name + "\": give one of " + names, "--camera", name, {}};
+}
+
+scene::ScenePtr withMirror(const scene::Scene& plain, scene::Camera& camera) {
+  scene::Scene scene = plain;
+  scene::Mesh mesh = test::quad(1.0f);
+  scene.materials.push_back(test::metal(glm::vec3(0.95f), 0.0f));
+  mesh.name = "mirror";
+  mesh.submeshes = {{0, 6, static_cast<uint32_t>(scene.materials.size() - 1)}};
+  mesh.finish();
+  scene.meshes.push_back(std::move(mesh));
+  scene.prefabs.push_back({"mirror", "test", static_cast<uint32_t>(scene.meshes.size() - 1), true});
+  // Seen from behind itself the camera's view is what the mirror shows.
+  constexpr float kWide = 30.0f, kAway = 12.0f;
+  const glm::vec3 right = glm::normalize(glm::cross(camera.forward, camera.up));
+  const glm::vec3 up = glm::cross(right, camera.forward);
+  const glm::vec3 place = camera.position - camera.forward * kAway;
+  scene.placements.push_back({static_cast<uint32_t>(scene.prefabs.size() - 1),
+                              glm::mat4x3(right * kWide, camera.forward * kWide, -up * kWide, place)});
+  camera.forward = -camera.forward;
+  return std::make_shared<scene::Scene>(std::move(scene));
 }
 
 void addStageOptions(CLI::App& command, StageOptions& options) {

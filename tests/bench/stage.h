@@ -28,6 +28,8 @@ struct StageOptions {
 Result<scene::ScenePtr> makeScene(const StageOptions& options);
 /// One of the scene's cameras by name; without a name its first. Errors: not_found.
 Result<const scene::NamedCamera*> findCamera(const scene::Scene& scene, const std::string& name);
+/// The scene with a mirror as wide as a street block, and the camera that looks into it: it shows what stands behind.
+scene::ScenePtr withMirror(const scene::Scene& scene, scene::Camera& camera);
 
 /// --scene, --camera, --instances, --animated and --seed, which refer to `options` from then on.
 void addStageOptions(CLI::App& command, StageOptions& options);

@@ -65,7 +65,8 @@ TEST(Rasteriser, TrianglesBehindTheEyeAreDrawnAsFarAsTheyAreBeforeIt) {
   b.place(b.prefab("ground", quad(400.0f), b.material(lambert(glm::vec3(0.5f)))));
   const uint32_t box = b.prefab("box", cube(), b.material(lambert(glm::vec3(0.7f))));
   b.place(box, at({0.0f, 0.0f, 0.0f}, 8.0f));  // the camera is within it
-  for (int i = 0; i < 12; ++i) b.place(box, at({1.5f * std::sin(0.5f * i), 0.4f, -2.0f + 1.2f * std::cos(0.5f * i)}, 0.3f));
+  for (int i = 0; i < 12; ++i)
+    b.place(box, at({1.5f * std::sin(0.5f * i), 0.4f, -2.0f + 1.2f * std::cos(0.5f * i)}, 0.3f));
   const scene::ScenePtr scene = b.build();
   expectAlike(scene, lookAt({0.1f, 1.3f, 0.2f}, {0.3f, 0.6f, -3.0f}, 1.2f), "inside", 0.002);
   expectAlike(scene, lookAt({3.96f, 0.5f, 0.0f}, {-1.0f, 0.2f, 3.9f}, 1.4f), "by_the_wall", 0.002);

@@ -336,5 +336,41 @@ TEST(Surface, MirroredInstancesShadeLikeUnmirrored) {
   }
 }
 
+// Rasterised primary hits of a tick share one point of their pixel, be there one sample or several: what is seen there
+// is read over the same footprint. Where samples spread over the pixel, each reads a part of it.
+TEST(Surface, SeveralSamplesOfOnePointReadTexturesAsOneDoes) {
+  SceneBuilder b;
+  scene::Texture checks{"checks", 64, 64, {}, true, {}};
+  for (uint32_t y = 0; y < 64; ++y)
+    for (uint32_t x = 0; x < 64; ++x) {
+      const auto value = static_cast<uint8_t>((x + y) % 2 ? 255 : 0);
+      checks.rgba.insert(checks.rgba.end(), {value, value, value, 255});
+    }
+  scene::Material material;
+  material.unlit = true;
+  material.base_color_texture = b.texture(checks);
+  b.place(b.prefab("floor", quad(8.0f), b.material(material)));
+  const scene::ScenePtr scene = b.build();
+  render::ViewSettings settings;
+  settings.width = 96;
+  settings.height = 54;
+  settings.accumulate = false;
+  settings.auto_exposure = false;
+  settings.keep_radiance = true;
+  const scene::Camera camera = lookAt({0.0f, 1.0f, 4.5f}, {0.0f, 0.0f, 0.0f}, 0.9f);
+  const render::Frame one = Stage(scene).tick(camera, settings);
+  settings.samples = 4;
+  const render::Frame four = Stage(scene).tick(camera, settings);
+  settings.primary = render::Primary::traced;
+  const render::Frame spread = Stage(scene).tick(camera, settings);
+  double apart = 0.0, spread_apart = 0.0;
+  for (size_t i = 0; i < one.radiance.size(); ++i) {
+    apart = std::max<double>(apart, std::abs(one.radiance[i] - four.radiance[i]));
+    spread_apart = std::max<double>(spread_apart, std::abs(one.radiance[i] - spread.radiance[i]));
+  }
+  EXPECT_LT(apart, 1e-3);
+  EXPECT_GT(spread_apart, 0.05);
+}
+
 }  // namespace
 }  // namespace helio::test

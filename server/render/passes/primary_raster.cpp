@@ -25,8 +25,7 @@ std::array<gpu::RasterPipeline, 2> rasterPipelines(gpu::Device& device, gpu::Ras
 
 PrimaryRaster::PrimaryRaster(gpu::Device& device)
     : pipelines_(rasterPipelines(
-          device,
-          {"primary/primary.vert", "primary/primary.frag", {VK_FORMAT_R32G32_UINT}, VK_FORMAT_D32_SFLOAT, {}})),
+          device, {"primary/primary.vert", "primary/primary.frag", {VK_FORMAT_R32G32_UINT}, VK_FORMAT_D32_SFLOAT, {}})),
       compute_(device, RasterTarget::picture),
       resolve_(device, "raster/resolve.comp") {}
 
@@ -46,16 +45,15 @@ void PrimaryRaster::add(const ViewPass& pass, const RasterPass& raster, const gl
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);
   if (view.computesPrimary())
-    pass.graph.add("primary_raster", pass.owner,
-                   {{&view.draws, ComputeRaster::kDraw},
-                    {&view.constants, gpu::use::compute_read},
-                    {pass.instances, gpu::use::compute_read},
-                    {&view.keys, ComputeRaster::kWrite},
-                    {&view.raster_tiles, ComputeRaster::kWrite},
-                    {&view.visibility, gpu::use::compute_write}},
-                   [this, &view, jitter, any_masks](gpu::Commands& commands) {
-                     compute(commands, view, jitter, any_masks);
-                   });
+    pass.graph.add(
+        "primary_raster", pass.owner,
+        {{&view.draws, ComputeRaster::kDraw},
+         {&view.constants, gpu::use::compute_read},
+         {pass.instances, gpu::use::compute_read},
+         {&view.keys, ComputeRaster::kWrite},
+         {&view.raster_tiles, ComputeRaster::kWrite},
+         {&view.visibility, gpu::use::compute_write}},
+        [this, &view, jitter, any_masks](gpu::Commands& commands) { compute(commands, view, jitter, any_masks); });
   else
     pass.graph.add(
         "primary_raster", pass.owner,
@@ -86,8 +84,8 @@ void PrimaryRaster::draw(gpu::Commands& commands, const View& view, const glm::v
   rendering.pColorAttachments = &color;
   rendering.pDepthAttachment = &depth;
   vkCmdBeginRendering(commands.handle(), &rendering);
-  const VkViewport viewport{0.0f, 0.0f, static_cast<float>(extent.width), static_cast<float>(extent.height), 0.0f,
-                            1.0f};
+  const VkViewport viewport{0.0f, 0.0f, static_cast<float>(extent.width), static_cast<float>(extent.height),
+                            0.0f, 1.0f};
   const VkRect2D scissor{{0, 0}, extent};
   vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
   vkCmdSetScissor(commands.handle(), 0, 1, &scissor);

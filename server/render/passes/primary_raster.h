@@ -19,8 +19,8 @@ struct RasterPass {
   effects::EffectSet effects;
 };
 
-/// What shaders that rasterise must know. A mask may need any texture coordinates and vertex colours: all effects, or none
-/// but what moves vertices.
+/// What shaders that rasterise must know. A mask may need any texture coordinates and vertex colours: all effects, or
+/// none but what moves vertices.
 effects::EffectSet effectsOfRaster(bool masks);
 /// Pipelines of one pair of shaders: for what asks no alpha mask, and for what does.
 std::array<gpu::RasterPipeline, 2> rasterPipelines(gpu::Device& device, gpu::RasterDescription description);

@@ -95,14 +95,15 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);
   const uint32_t tile = map.tile;
   if (view.computesShadows())
-    pass.graph.add("shadow_map", pass.owner,
-                   {{&view.shadow_draws, ComputeRaster::kDraw},
-                    {&view.shadow_constants, gpu::use::compute_read},
-                    {&view.constants, gpu::use::compute_read},
-                    {pass.instances, gpu::use::compute_read},
-                    {&view.raster_tiles, ComputeRaster::kWrite},
-                    {&view.shadow_image, ComputeRaster::kWrite}},
-                   [this, &view, tile, any_masks](gpu::Commands& commands) { compute(commands, view, tile, any_masks); });
+    pass.graph.add(
+        "shadow_map", pass.owner,
+        {{&view.shadow_draws, ComputeRaster::kDraw},
+         {&view.shadow_constants, gpu::use::compute_read},
+         {&view.constants, gpu::use::compute_read},
+         {pass.instances, gpu::use::compute_read},
+         {&view.raster_tiles, ComputeRaster::kWrite},
+         {&view.shadow_image, ComputeRaster::kWrite}},
+        [this, &view, tile, any_masks](gpu::Commands& commands) { compute(commands, view, tile, any_masks); });
   else
     pass.graph.add("shadow_map", pass.owner,
                    {{&view.shadow_draws, DrawLists::kDraw},
@@ -132,8 +133,8 @@ void ShadowMapPass::draw(gpu::Commands& commands, const View& view, uint32_t til
     commands.bind(pipelines_[masks]);
     for (uint32_t c = 0; c < shared::kShadowCascades; ++c) {
       const uint32_t x = c % kTilesPerRow * tile, y = c / kTilesPerRow * tile;
-      const VkViewport viewport{static_cast<float>(x), static_cast<float>(y), static_cast<float>(tile),
-                                static_cast<float>(tile), 0.0f, 1.0f};
+      const VkViewport viewport{
+          static_cast<float>(x), static_cast<float>(y), static_cast<float>(tile), static_cast<float>(tile), 0.0f, 1.0f};
       const VkRect2D scissor{{static_cast<int32_t>(x), static_cast<int32_t>(y)}, {tile, tile}};
       vkCmdSetViewport(commands.handle(), 0, 1, &viewport);
       vkCmdSetScissor(commands.handle(), 0, 1, &scissor);
