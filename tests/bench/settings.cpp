@@ -1,5 +1,6 @@
 #include "bench/settings.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -55,7 +56,7 @@ Result<void> apply(const std::vector<std::string>& assignments, render::ViewSett
     if (equals == std::string::npos || setter == setters().end()) {
       std::string known;
       for (const auto& [candidate, _] : setters()) known.append(known.empty() ? "" : ", ").append(candidate);
-      return invalid("set", assignment, "--set " + assignment + ": give NAME=VALUE with a name of " + known);
+      return invalid("set", assignment, fmt::format("--set {}: give NAME=VALUE with a name of {}", assignment, known));
     }
     double value = 0.0;
     if (!CLI::detail::lexical_cast(assignment.substr(equals + 1), value) || !std::isfinite(value) || value < 0.0)
