@@ -28,7 +28,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileTable { 
 
 const float kSubpixels = float(1u << kSubpixelBits);
 const float kFarthestCorner = 4.0e6;     // pixels: beyond it a corner has no place on the lattice
-const float kCrossingTolerance = 1.0 / 64.0;  // pixels
+const float kCrossingTolerance = 1.0 / kSubpixels;  // pixels: twice as far as rounding moves a corner along an axis
 
 // ---- Which triangle ----
 

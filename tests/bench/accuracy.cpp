@@ -108,8 +108,16 @@ Result<References> renderReferences(render::Renderer& renderer, const scene::Sce
   return references;
 }
 
+/// The middle of a picture, as much as the page shows of it.
 Result<std::string> png(const std::vector<uint8_t>& rgba, const AccuracyOptions& options) {
-  return stream::encodePng({rgba.data(), options.width, options.height});
+  const uint32_t width = std::min(options.width, kCropWidth), height = std::min(options.height, kCropHeight);
+  const uint32_t left = (options.width - width) / 2, top = (options.height - height) / 2;
+  std::vector<uint8_t> crop;
+  for (uint32_t y = top; y < top + height; ++y) {
+    const auto* row = rgba.data() + 4 * (size_t{y} * options.width + left);
+    crop.insert(crop.end(), row, row + 4 * size_t{width});
+  }
+  return stream::encodePng({crop.data(), width, height});
 }
 
 /// The medians of times, collected tick by tick.

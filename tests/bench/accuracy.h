@@ -37,6 +37,9 @@ struct AccuracyOptions {
   bool json = false;
 };
 
+/// Pixels of the pictures on the page, the middle of larger ones: as its style says.
+inline constexpr uint32_t kCropWidth = 320, kCropHeight = 180;
+
 /// One value of one axis; everything else is as in baseSettings().
 struct AccuracySetting {
   std::string axis, name;
