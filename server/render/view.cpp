@@ -197,8 +197,8 @@ shared::SampleConstants View::nextSample() {
   // What is averaged is well spread over a pixel's samples, a single sample over the pixels of the picture.
   sample.sample_index = accumulating() ? accumulated_ : 0;
   sample.log2_samples = accumulating() ? kLog2Block : 0;
-  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. Most have one
-  // position for a whole tick.
+  // A moving picture is sampled at the pixel's centre, a still one all over the pixel. Unless
+  // samples lie apart, all of a tick have one position.
   sample.jitter = samplesApart() ? glm::vec2(-1.0f) : tick_jitter_;
   ++accumulated_;
   ++samples_drawn_;

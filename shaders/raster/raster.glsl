@@ -26,6 +26,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) buffer KeyTable { u
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileCountRef { RasterTileCount count; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileTable { RasterTile items[]; };
 
+const uint64_t kTilesAt = 4ul;  // behind RasterTileCount
 const float kSubpixels = float(1u << kSubpixelBits);
 const float kFarthestCorner = 4.0e6;     // pixels: beyond it a corner has no place on the lattice
 const float kCrossingTolerance = 1.0 / kSubpixels;  // pixels: twice as far as rounding moves a corner along an axis
@@ -38,9 +39,13 @@ struct Drawn {
   uint primitive;  // of the geometry
 };
 
+// What lies behind the commands: each one's record, and its first triangle.
+WordTable commandRecords() { return WordTable(raster.commands + uint64_t(kCommandBytes) * raster.draw_count); }
+WordTable commandBegins() { return WordTable(raster.commands + uint64_t(kCommandBytes + 4u) * raster.draw_count); }
+
 // The command whose triangles hold this one: the last that begins at or before it.
 uint commandOf(uint triangle, uint first, uint count) {
-  WordTable begins = WordTable(raster.commands + uint64_t(kCommandBytes + 4u) * raster.draw_count);
+  WordTable begins = commandBegins();
   uint low = 0u, high = count;  // it is one of these, `high` left out
   while (high - low > 1u) {
     const uint middle = (low + high) / 2u;
@@ -55,9 +60,10 @@ Drawn drawnTriangle(uint id) {
   const bool masked = (id & kMaskedTriangle) != 0u;
   const uint triangle = id & ~kMaskedTriangle, first = masked ? raster.solid_draws : 0u;
   const uint at = commandOf(triangle, first, masked ? counts.masked : counts.solid);
-  const uint begin = WordTable(raster.commands + uint64_t(kCommandBytes + 4u) * raster.draw_count).items[at];
+  WordTable begins = commandBegins(), records = commandRecords();
+  const uint begin = begins.items[at];
   Drawn d;
-  d.record = DrawTable(raster.draws).items[WordTable(raster.commands + uint64_t(kCommandBytes) * raster.draw_count).items[at]];
+  d.record = DrawTable(raster.draws).items[records.items[at]];
   const uint triangles = d.record.index_count / 3u, instance = (triangle - begin) / triangles;
   d.slot = WordTable(raster.slots).items[CommandTable(raster.commands).items[at].first_instance + instance];
   d.primitive = triangle - begin - instance * triangles;

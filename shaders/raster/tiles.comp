@@ -10,7 +10,7 @@ shared vec4 corners[3];
 void main() {
   const uint thread = gl_LocalInvocationIndex, count = min(TileCountRef(raster.tiles).count.tiles, raster.tile_capacity);
   for (uint i = gl_WorkGroupID.x; i < count; i += gl_NumWorkGroups.x) {
-    const RasterTile job = TileTable(raster.tiles + 4ul).items[i];
+    const RasterTile job = TileTable(raster.tiles + kTilesAt).items[i];
     const Drawn d = drawnTriangle(job.triangle);
     const InstanceRecord instance = InstanceTable(frame.instances).items[d.slot];
     barrier();  // the last job's corners were read

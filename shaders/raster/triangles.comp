@@ -36,7 +36,7 @@ bool listed(ivec2 tile, uint id, bool crosses) {
   const uint at = atomicAdd(header.count.tiles, 1u);
   if (at >= raster.tile_capacity) return false;
   const uint place = uint(tile.y * tilesAcross().x + tile.x);
-  TileTable tiles = TileTable(raster.tiles + 4ul);
+  TileTable tiles = TileTable(raster.tiles + kTilesAt);
   tiles.items[at] = RasterTile(id, crosses ? place | kTriangleCrosses : place);
   return true;
 }

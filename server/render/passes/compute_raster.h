@@ -18,12 +18,9 @@ class ComputeRaster {
  public:
   ComputeRaster(gpu::Device& device, RasterTarget target);
 
-  /// How passes touch the lists that they draw, and what they draw into.
+  /// How passes touch the lists that they draw. What they draw into they touch as DrawLists::kWrite.
   static constexpr gpu::Use kDraw{VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                                   VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_READ_BIT};
-  static constexpr gpu::Use kWrite{
-      VK_PIPELINE_STAGE_2_TRANSFER_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-      VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_SHADER_READ_BIT | VK_ACCESS_2_SHADER_WRITE_BIT};
 
   /// Records the draws of all volumes of `lists` into what `constants` tells: frame, what is drawn into, its size, the
   /// jitter. Volumes are cascades of a shadow map. `tiles`: working memory (shared::kMostTiles).

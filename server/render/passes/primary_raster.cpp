@@ -50,8 +50,8 @@ void PrimaryRaster::add(const ViewPass& pass, const RasterPass& raster, const gl
         {{&view.draws, ComputeRaster::kDraw},
          {&view.constants, gpu::use::compute_read},
          {pass.instances, gpu::use::compute_read},
-         {&view.keys, ComputeRaster::kWrite},
-         {&view.raster_tiles, ComputeRaster::kWrite},
+         {&view.keys, DrawLists::kWrite},
+         {&view.raster_tiles, DrawLists::kWrite},
          {&view.visibility, gpu::use::compute_write}},
         [this, &view, jitter, any_masks](gpu::Commands& commands) { compute(commands, view, jitter, any_masks); });
   else

@@ -101,8 +101,8 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
          {&view.shadow_constants, gpu::use::compute_read},
          {&view.constants, gpu::use::compute_read},
          {pass.instances, gpu::use::compute_read},
-         {&view.raster_tiles, ComputeRaster::kWrite},
-         {&view.shadow_image, ComputeRaster::kWrite}},
+         {&view.raster_tiles, DrawLists::kWrite},
+         {&view.shadow_image, DrawLists::kWrite}},
         [this, &view, tile, any_masks](gpu::Commands& commands) { compute(commands, view, tile, any_masks); });
   else
     pass.graph.add("shadow_map", pass.owner,
