@@ -17,10 +17,10 @@ struct SurfaceTexel {
   float sunlit;  // share of the sun's light that reaches it, [0, 1]
 };
 
-SurfaceTexel readSurface(uint image, ivec2 pixel) {
-  const uvec2 texel = imageLoad(images_rg32ui[image], pixel).xy;
+SurfaceTexel unpackSurface(uvec2 texel) {
   return SurfaceTexel(texel.x, surfaceDepth(texel.y), surfaceMirrored(texel.y), surfaceSunlit(texel.y));
 }
+SurfaceTexel readSurface(uint image, ivec2 pixel) { return unpackSurface(imageLoad(images_rg32ui[image], pixel).xy); }
 
 vec3 normalOf(SurfaceTexel t) { return surfaceNormal(t.packed_surface); }
 uint instanceOf(SurfaceTexel t) { return surfaceInstance(t.packed_surface); }

@@ -14,7 +14,6 @@ shared::FilterConstants filterConstants(const View& view, const Histories::Light
   constants.source_deviation = from.deviation.slot();
   constants.target = to.rgb.slot();
   constants.target_deviation = to.deviation.slot();
-  constants.stride = 1;
   constants.mean = view.accumulation.slot();
   return constants;
 }
@@ -24,9 +23,17 @@ shared::FilterConstants filterConstants(const View& view, const Histories::Light
 Svgf::Svgf(gpu::Device& device, Feedback feedback)
     : feedback_(feedback),
       temporal_(device, "svgf/temporal.comp", {feedback == Feedback::integrated}),
-      variance_(device, "svgf/variance.comp", {feedback == Feedback::integrated}),
-      atrous_{gpu::ComputePipeline(device, "svgf/atrous.comp", {0}),
-              gpu::ComputePipeline(device, "svgf/atrous.comp", {1})} {}
+      variance_(device, "svgf/variance.comp", {feedback == Feedback::integrated}) {
+  for (uint32_t i = 0; i < kIterations; ++i)
+    atrous_.emplace_back(device, "svgf/atrous.comp", gpu::Specialisation{1u << i, i + 1 == kIterations});
+}
+
+/// Groups of 16 x 16 pixels that are a stride apart; those between are other groups' (svgf/atrous.comp).
+void Svgf::dispatchIteration(gpu::Commands& commands, const View& view, uint32_t iteration) const {
+  const uint32_t stride = 1u << iteration, across = 16 * stride;
+  const auto groups = [&](uint32_t pixels) { return (pixels + across - 1) / across * stride; };
+  commands.dispatch(groups(view.settings().width), groups(view.settings().height));
+}
 
 void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                const shared::SampleConstants& last) const {
@@ -72,12 +79,11 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                    for (uint32_t i = 0; i < kIterations; ++i) {
                      if (i > 0) commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
                      shared::FilterConstants constants = filterConstants(view, *light[i % 2], *light[(i + 1) % 2]);
-                     constants.stride = 1u << i;
                      constants.keeps = i == 0 && feedback_ == Feedback::filtered;
                      constants.accumulated = view.still() ? last.accumulated : 0;
-                     commands.bind(atrous_[i + 1 == kIterations]);
+                     commands.bind(atrous_[i]);
                      commands.push(constants);
-                     dispatchOver(commands, view, 8);
+                     dispatchIteration(commands, view, i);
                    }
                  });
 }

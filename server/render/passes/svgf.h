@@ -2,7 +2,7 @@
 // 2017], over diffuse and specular light apart.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "gpu/pipelines.h"
 #include "render/passes/denoiser.h"
@@ -22,9 +22,11 @@ class Svgf : public DenoiserPasses {
            const shared::SampleConstants& last) const override;
 
  private:
+  void dispatchIteration(gpu::Commands& commands, const View& view, uint32_t iteration) const;
+
   Feedback feedback_;
   gpu::ComputePipeline temporal_, variance_;
-  std::array<gpu::ComputePipeline, 2> atrous_;  // an iteration; the last one, which makes the picture
+  std::vector<gpu::ComputePipeline> atrous_;  // by iteration; the last one makes the picture
 };
 
 }  // namespace helio::render
