@@ -137,11 +137,9 @@ void Lipac::readCommands() {
   if (const Returned& returned = returned_[ticks_ % kDelay]; returned.written) {
     const LipacStatus status = statusIn(returned);
     // Those that wanted in then, and those whose states have called for it since.
-    uint32_t wanted = 0;
-    for (const uint32_t count : status.ranks) wanted += count;
     const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
                             status.states[shared::kStateActive];
-    entries_known_ = status.boxes + std::max(wanted, called);
+    entries_known_ = status.boxes + std::max(status.wanted, called);
     const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
     for (uint32_t i = 0; i < std::min(status.commands, command_capacity_); ++i) {
       if (commands[i].slot & shared::kCommandRemove) granted_.erase(commands[i].slot & ~shared::kCommandRemove);

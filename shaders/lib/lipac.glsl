@@ -96,7 +96,9 @@ uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 void findRoom(out uint last, out uint room) {
   StatusRef result = StatusRef(lipac.status);
   room = lipac.capacity - min(result.status.boxes, lipac.capacity);
-  for (last = kRankMost; last > 0u && result.status.ranks[last] <= room; --last) room -= result.status.ranks[last];
+  last = 0u;
+  if (result.status.wanted <= room) room -= result.status.wanted - result.status.ranks[0];
+  else for (last = kRankMost; last > 0u && result.status.ranks[last] <= room; --last) room -= result.status.ranks[last];
 }
 
 // How many threads of the group before this one have `mine`, and how many have it in all. A bit a thread: the same on every

@@ -58,9 +58,7 @@ void main() {
   if (thread == 0u) {
     StatusRef result = StatusRef(lipac.status);
     const uint shown = min(all_boxes.x, lipac.capacity - entered);
-    uint wanted = all_boxes.x;
-    for (uint i = 0u; i < kRanks; ++i) wanted += result.status.ranks[i];
     result.status.entries = entered + shown;
-    result.status.dropped = wanted - entered - shown;
+    result.status.dropped = all_boxes.x + result.status.wanted - entered - shown;
   }
 }

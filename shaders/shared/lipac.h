@@ -95,7 +95,8 @@ struct LipacSight {
 struct LipacStatus {
   uint commands;
   uint boxes;          // cells that want a box in the TLAS
-  uint ranks[kRanks];  // instances and their boxes that want an entry, by rank
+  uint wanted;         // instances and their boxes that want an entry
+  uint ranks[kRanks];  // the same, by rank
   uint entries;        // written to the TLAS, boxes of cells included
   uint dropped;        // found no room
   uint states[kStates];
