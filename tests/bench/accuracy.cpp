@@ -221,6 +221,11 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   return point;
 }
 
+bool chosen(const AccuracyOptions& options, const AccuracySetting& setting) {
+  const std::vector<std::string>& names = options.only;
+  return names.empty() || std::find(names.begin(), names.end(), setting.name) != names.end();
+}
+
 Result<void> measure(const AccuracyOptions& options, const std::string& command_line) {
   if (auto valid = check(options.stage); !valid) return valid;
   std::vector<AccuracySetting> settings;
@@ -231,8 +236,11 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   for (const std::string& axis : all ? accuracyAxes() : options.axes) {
     auto of_axis = settingsOf(axis, base);
     if (!of_axis) return of_axis.error();
-    settings.insert(settings.end(), of_axis->begin(), of_axis->end());
+    for (const AccuracySetting& setting : *of_axis)
+      if (chosen(options, setting)) settings.push_back(setting);
   }
+  if (settings.empty())
+    return invalid("--setting", options.only.front(), "no axis that was asked for has any of these settings");
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
@@ -312,6 +320,7 @@ void addAccuracyCommand(CLI::App& app, const std::string& command_line, Action& 
   std::string axes = "all";
   for (const std::string& axis : accuracyAxes()) axes += ", " + axis;
   command.add_option("--axis", options->axes, "what to vary, any number of times: " + axes);
+  command.add_option("--setting", options->only, "of the axes these settings alone, any number of times");
   const std::map<std::string, MotionKind> motions{
       {"still", MotionKind::still}, {"fly", MotionKind::fly}, {"jump", MotionKind::jump}};
   command.add_option("--motion", options->motion, "of the camera during a run: still, fly or jump")

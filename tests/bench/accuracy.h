@@ -24,6 +24,7 @@ struct AccuracyOptions {
   StageOptions stage;
   uint32_t width = 320, height = 180;
   std::vector<std::string> axes;  ///< empty: all
+  std::vector<std::string> only;  ///< settings of them; empty: all
   MotionKind motion = MotionKind::still;
   uint32_t frames = 8;  ///< of a run: its last one is judged
   uint32_t runs = 8;    ///< with random numbers of their own: what they share is bias
