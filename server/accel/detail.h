@@ -17,10 +17,10 @@ struct DetailBudget {
   uint64_t triangles = 400'000;  ///< of the levels that they change to
 };
 
-/// An instance's level may be off by what a pixel of the viewer who sees it largest covers at its distance. Blocks of
-/// the order are looked at again when their distance has changed, those it matters most to first, and what moves in
-/// every tick; no tick looks at every instance. Deterministic: what it decides follows from viewers, instances and what
-/// it decided before.
+/// An instance's level may be off by what its viewers tolerate at its distance (half a pixel of the one who sees it
+/// largest). Blocks of the order are looked at again when their distance has changed, those it matters most to first,
+/// and what moves in every tick; no tick looks at every instance. Deterministic: what it decides follows from viewers,
+/// instances and what it decided before.
 class Detail {
  public:
   explicit Detail(const scene::Scene& scene) : scene_(scene) {}

@@ -7,6 +7,10 @@
 
 namespace helio::render {
 
+/// That a level of detail may differ from the finest, in pixels of the viewer who sees it largest. At a whole pixel
+/// fences and kerbs stand one off, and with textures as fine as pixels that shows.
+inline constexpr float kPixelsOff = 0.5f;
+
 /// Orthonormal; `tangent` = tan(vfov / 2).
 struct CameraFrame {
   glm::vec3 right, up, forward;

@@ -133,7 +133,7 @@ struct ViewSettings {
   SunShadow sun_shadow = SunShadow::rays;  ///< reference mode knows rays alone
   uint32_t shadow_map_size = 2048;         ///< texels along a side of each of its cascades, [256, 4096]
   Rasteriser rasteriser = Rasteriser::automatic;
-  bool levels_of_detail = true;  ///< meshes that differ from the finest by about a pixel (biased, so not in reference
+  bool levels_of_detail = true;  ///< meshes that differ from the finest by half a pixel (biased, so not in reference
                                  ///< mode); off for one view: rays meet the finest in all of the world's
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   CullingView culling_view = CullingView::none;         ///< not in reference mode

@@ -40,7 +40,7 @@ accel::Viewpoint viewpointOf(const ViewRequest& request) {
   const bool reference = request.settings.mode == Mode::reference;
   const bool levels = request.settings.levels_of_detail && !reference;
   return {accel::frustumOf(request.camera.position, frame.right, frame.up, frame.forward, frame.tangent, aspect),
-          reference, levels ? 2.0f * frame.tangent / static_cast<float>(request.settings.height) : 0.0f};
+          reference, levels ? kPixelsOff * 2.0f * frame.tangent / static_cast<float>(request.settings.height) : 0.0f};
 }
 
 bool usesRaster(const ViewSettings& settings) {

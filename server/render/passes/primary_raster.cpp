@@ -1,11 +1,8 @@
 #include "render/passes/primary_raster.h"
 
+#include "render/camera_frame.h"
+
 namespace helio::render {
-namespace {
-
-constexpr float kPixelsOff = 1.0f;  // that a level of detail may differ from the finest
-
-}  // namespace
 
 effects::EffectSet effectsOfRaster(bool masks) {
   effects::EffectSet effects;
