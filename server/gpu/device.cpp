@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "gpu/features.h"
+
 namespace helio::gpu {
 namespace {
 
@@ -278,6 +280,13 @@ Result<void> Device::choosePhysicalDevice() {
         "device",
         select,
         {}};
+  if (const std::string missing = Features::missing(*able); !missing.empty())
+    return Error{ErrorKind::unsupported,
+                 std::string("'") + properties(*able).deviceName + "' lacks what the renderer needs of Vulkan: " +
+                     missing + "; choose another device, or install a newer driver: " + kHowToGetRayTracing,
+                 "device",
+                 select,
+                 {}};
   if (able != wanted.begin())
     spdlog::warn("'{}' has no ray tracing pipelines, using '{}'", properties(wanted.front()).deviceName,
                  properties(*able).deviceName);
@@ -307,45 +316,8 @@ void Device::createDevice() {
 
   chooseQueues();
 
-  VkPhysicalDeviceRayTracingPipelineFeaturesKHR ray_tracing{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_TRACING_PIPELINE_FEATURES_KHR};
-  ray_tracing.rayTracingPipeline = VK_TRUE;
-  ray_tracing.rayTracingPipelineTraceRaysIndirect = VK_TRUE;
-  VkPhysicalDeviceAccelerationStructureFeaturesKHR structures{
-      VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR};
-  structures.pNext = &ray_tracing;
-  structures.accelerationStructure = VK_TRUE;
-  VkPhysicalDeviceVulkan13Features vulkan13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-  vulkan13.pNext = &structures;
-  vulkan13.synchronization2 = VK_TRUE;
-  vulkan13.dynamicRendering = VK_TRUE;
-  vulkan13.maintenance4 = VK_TRUE;
-  VkPhysicalDeviceVulkan12Features vulkan12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES};
-  vulkan12.pNext = &vulkan13;
-  vulkan12.bufferDeviceAddress = VK_TRUE;
-  vulkan12.drawIndirectCount = VK_TRUE;
-  vulkan12.timelineSemaphore = VK_TRUE;
-  vulkan12.hostQueryReset = VK_TRUE;
-  vulkan12.scalarBlockLayout = VK_TRUE;
-  vulkan12.shaderBufferInt64Atomics = VK_TRUE;
-  vulkan12.descriptorIndexing = VK_TRUE;
-  vulkan12.runtimeDescriptorArray = VK_TRUE;
-  vulkan12.descriptorBindingPartiallyBound = VK_TRUE;
-  vulkan12.descriptorBindingUpdateUnusedWhilePending = VK_TRUE;
-  vulkan12.descriptorBindingSampledImageUpdateAfterBind = VK_TRUE;
-  vulkan12.descriptorBindingStorageImageUpdateAfterBind = VK_TRUE;
-  vulkan12.shaderSampledImageArrayNonUniformIndexing = VK_TRUE;
-  VkPhysicalDeviceVulkan11Features vulkan11{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES};
-  vulkan11.pNext = &vulkan12;
-  vulkan11.shaderDrawParameters = VK_TRUE;
-  VkPhysicalDeviceFeatures2 features{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2};
-  features.pNext = &vulkan11;
-  features.features.shaderInt64 = VK_TRUE;
-  features.features.multiDrawIndirect = VK_TRUE;
-  features.features.drawIndirectFirstInstance = VK_TRUE;
-  features.features.geometryShader = VK_TRUE;  // gl_PrimitiveID in fragment shaders
-  features.features.samplerAnisotropy = VK_TRUE;
-  features.features.shaderStorageImageExtendedFormats = VK_TRUE;  // rg32ui
+  Features features;
+  features.requireAll();
 
   const float priority = 1.0f;
   std::vector<VkDeviceQueueCreateInfo> queues;
@@ -358,7 +330,7 @@ void Device::createDevice() {
     queues.push_back(queue);
   }
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
-  info.pNext = &features;
+  info.pNext = &features.chain();
   info.queueCreateInfoCount = static_cast<uint32_t>(queues.size());
   info.pQueueCreateInfos = queues.data();
   info.enabledExtensionCount = static_cast<uint32_t>(kDeviceExtensions.size());

@@ -7,6 +7,7 @@
 #include "gpu/acceleration_structure.h"
 #include "gpu/commands.h"
 #include "gpu/device.h"
+#include "gpu/features.h"
 #include "gpu/pipelines.h"
 #include "gpu/range_pool.h"
 
@@ -34,6 +35,14 @@ TEST(DeviceChoice, AMissingDeviceIsAnErrorThatListsTheOnesThere) {
   EXPECT_EQ(device.error().kind, ErrorKind::not_found);
   EXPECT_EQ(device.error().value, "no such device 9000");
   EXPECT_NE(device.error().message.find("there are: '"), std::string::npos) << device.error().message;
+}
+
+TEST(DeviceChoice, WhatADeviceLacksIsSaidByName) {
+  Features features;
+  for (const char* name : {"rayTracingPipeline", "synchronization2", "shaderBufferInt64Atomics", "shaderInt64"})
+    EXPECT_NE(features.off().find(name), std::string::npos) << features.off();
+  features.requireAll();
+  EXPECT_EQ(features.off(), "");
 }
 
 TEST(DeviceChoice, TheEnvironmentChoosesWhereNoFlagDoes) {
