@@ -9,10 +9,11 @@ namespace {
 /// The passes that a sample more, or a bounce more, makes longer.
 constexpr const char* kScalingPasses[] = {"primary_traced", "path_trace", "statistics", "accumulate"};
 
-// From tests/bench/README.md, "accuracy --axis preset" (H200, driver 580.159.04, 2026-11-23, the city by day at 1080p,
-// two runs): biases, variances, and times less what no sample more makes longer, 3.07 ms. Of `rich` and `fine` the
-// variance lies between their neighbours': one bright path in one run made theirs 0.56 and 0.1. Of its variance SVGF
-// knows 0.72 (tests/denoise/error_estimate_test.cpp, lamp room and sunlit patch).
+// From `helio-bench accuracy --size 1920x1080 --axis preset --runs 2 --reference-spp 256` (H200, driver 580.159.04,
+// 2026-11-23, the city by day, without TAA, levels of detail a whole pixel off): biases, variances, and times less what
+// no sample more makes longer, 3.07 ms. Of `rich` and `fine` the variance lies between their neighbours': one bright
+// path in one run made theirs 0.56 and 0.1. Of its variance SVGF knows 0.72 (tests/denoise/error_estimate_test.cpp,
+// lamp room and sunlit patch).
 constexpr double kKnown = 0.72;
 constexpr Price price(double scaling_ms, double variance, double bias) {
   return {scaling_ms, variance, kKnown * variance, bias};
