@@ -221,9 +221,16 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   return point;
 }
 
-bool chosen(const AccuracyOptions& options, const AccuracySetting& setting) {
-  const std::vector<std::string>& names = options.only;
-  return names.empty() || std::find(names.begin(), names.end(), setting.name) != names.end();
+/// Leaves the settings that have one of these names; none: all.
+Result<void> leaveOnly(const std::vector<std::string>& names, std::vector<AccuracySetting>& settings) {
+  for (const std::string& name : names)
+    if (std::none_of(settings.begin(), settings.end(), [&](const AccuracySetting& s) { return s.name == name; }))
+      return invalid("--setting", name, "none of the axes has a setting \"" + name + "\": see the tables of a report");
+  if (!names.empty())
+    std::erase_if(settings, [&](const AccuracySetting& s) {
+      return std::find(names.begin(), names.end(), s.name) == names.end();
+    });
+  return {};
 }
 
 Result<void> measure(const AccuracyOptions& options, const std::string& command_line) {
@@ -236,11 +243,9 @@ Result<void> measure(const AccuracyOptions& options, const std::string& command_
   for (const std::string& axis : all ? accuracyAxes() : options.axes) {
     auto of_axis = settingsOf(axis, base);
     if (!of_axis) return of_axis.error();
-    for (const AccuracySetting& setting : *of_axis)
-      if (chosen(options, setting)) settings.push_back(setting);
+    settings.insert(settings.end(), of_axis->begin(), of_axis->end());
   }
-  if (settings.empty())
-    return invalid("--setting", options.only.front(), "no axis that was asked for has any of these settings");
+  if (auto left = leaveOnly(options.only, settings); !left) return left;
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) return invalid("--out", options.out, "cannot make the folder " + options.out + ": " + error.message());
