@@ -155,8 +155,8 @@ TEST(Detail, DistantWalkersHaveCoarseBlases) {
     return frame.stats.acceleration.blas_triangles;
   };
   EXPECT_EQ(trianglesFrom(1.5f, false), 10 * finest);
-  EXPECT_LT(trianglesFrom(80.0f, true), finest);  // all ten together
-  EXPECT_EQ(trianglesFrom(80.0f, false), 10 * finest);
+  EXPECT_LT(trianglesFrom(160.0f, true), finest);  // all ten together
+  EXPECT_EQ(trianglesFrom(160.0f, false), 10 * finest);
 }
 
 }  // namespace
