@@ -18,6 +18,13 @@ shared::FilterConstants filterConstants(const View& view, const Histories::Light
   return constants;
 }
 
+/// Groups of 16 x 16 pixels that are a stride apart; those between are other groups' (svgf/atrous.comp).
+void dispatchIteration(gpu::Commands& commands, const View& view, uint32_t iteration) {
+  const uint32_t stride = 1u << iteration, across = 16 * stride;
+  const auto groups = [&](uint32_t pixels) { return (pixels + across - 1) / across * stride; };
+  commands.dispatch(groups(view.settings().width), groups(view.settings().height));
+}
+
 }  // namespace
 
 Svgf::Svgf(gpu::Device& device, Feedback feedback)
@@ -26,13 +33,6 @@ Svgf::Svgf(gpu::Device& device, Feedback feedback)
       variance_(device, "svgf/variance.comp", {feedback == Feedback::integrated}) {
   for (uint32_t i = 0; i < kIterations; ++i)
     atrous_.emplace_back(device, "svgf/atrous.comp", gpu::Specialisation{1u << i, i + 1 == kIterations});
-}
-
-/// Groups of 16 x 16 pixels that are a stride apart; those between are other groups' (svgf/atrous.comp).
-void Svgf::dispatchIteration(gpu::Commands& commands, const View& view, uint32_t iteration) const {
-  const uint32_t stride = 1u << iteration, across = 16 * stride;
-  const auto groups = [&](uint32_t pixels) { return (pixels + across - 1) / across * stride; };
-  commands.dispatch(groups(view.settings().width), groups(view.settings().height));
 }
 
 void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,

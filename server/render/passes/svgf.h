@@ -22,8 +22,6 @@ class Svgf : public DenoiserPasses {
            const shared::SampleConstants& last) const override;
 
  private:
-  void dispatchIteration(gpu::Commands& commands, const View& view, uint32_t iteration) const;
-
   Feedback feedback_;
   gpu::ComputePipeline temporal_, variance_;
   std::vector<gpu::ComputePipeline> atrous_;  // by iteration; the last one makes the picture
