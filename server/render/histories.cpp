@@ -21,7 +21,7 @@ float unitOf(float exposure) {
 }  // namespace
 
 void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, uint64_t tick,
-                      bool goes_on, float exposure) {
+                      bool goes_on, float exposure, uint32_t last_seed) {
   if (!looksBack(settings)) {
     *this = Histories(*device_);
     return;
@@ -36,6 +36,7 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
   const float previous_unit = constants_.unit;
   constants_ = {};
   constants_.tick = static_cast<uint32_t>(tick);
+  constants_.gradient_seed = last_seed;
   constants_.valid = fits && goes_on && known_ && tick == tick_ + 1;
   const CameraFrame before = cameraFrame(constants_.valid ? camera_ : camera);
   constants_.position = constants_.valid ? camera_.position : camera.position;
@@ -101,8 +102,7 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
   if (denoiser_ != Denoiser::asvgf) return;
   using shared::kStratum;
   claims = image("claims of strata", VK_FORMAT_R32_UINT, 4, kStratum);
-  for (gpu::Image& gradient : gradients)
-    gradient = image("gradients of light", VK_FORMAT_R16G16B16A16_SFLOAT, 8, kStratum);
+  changes = image("changes of light", VK_FORMAT_R8G8_UNORM, 2, kStratum);
   gradient_samples =
       buffer_of("samples to shade again", uint64_t{claims.width()} * claims.height() * sizeof(shared::GradientSample));
 }
@@ -142,7 +142,7 @@ void Histories::describeImages() {
   for (uint32_t level = 0; level < shared::kHistoryMips; ++level) c.mips[level] = slot(mips[level]);
   c.gradient_samples = gradient_samples ? gradient_samples.address() : 0;
   c.claims = slot(claims);
-  c.gradients = slot(gradients[kGradientIterations % 2]);
+  c.changes = slot(changes);
 }
 
 }  // namespace helio::render

@@ -11,9 +11,6 @@
 
 namespace helio::render {
 
-/// Of the filter of A-SVGF's gradients: the images take turns, and the last one written is what the mean heeds.
-constexpr uint32_t kGradientIterations = 5;
-
 /// What is shown is made of this tick's light and what was kept, and not of samples alone.
 inline bool replacesPicture(const ViewSettings& settings) {
   return settings.denoiser != Denoiser::none || settings.taa || settings.inspect != Inspect::nothing;
@@ -32,10 +29,10 @@ class Histories {
   explicit Histories(gpu::Device& device) : device_(&device) {}
 
   /// Starts a tick. `goes_on`: what was kept shows this world under these settings at this size, if it is of the tick
-  /// before. `exposure`: about what the picture will have, a factor on radiance. Allocates, and records what new images
-  /// need.
+  /// before. `exposure`: about what the picture will have, a factor on radiance. `last_seed`: of the tick before's last
+  /// sample. Allocates, and records what new images need.
   void begin(gpu::Commands& commands, const scene::Camera& camera, const ViewSettings& settings, uint64_t tick,
-             bool goes_on, float exposure);
+             bool goes_on, float exposure, uint32_t last_seed);
   /// After a tick that failed.
   void forget() { known_ = false; }
 
@@ -60,13 +57,12 @@ class Histories {
   const gpu::Image& resolved() const { return split_ ? spare.rgb : resolved_; }
   // Of A-SVGF (shaders/shared/gradients.h), a texel a stratum.
   gpu::Buffer gradient_samples;
-  gpu::Image claims;
+  gpu::Image claims, changes;
   // Of ReBLUR.
   gpu::Image stabilised;
   std::array<gpu::Image, shared::kHistoryMips> mips;
   /// What pixels know of their neighbours' indirect light: shared::IndirectSample a pixel.
   gpu::Buffer indirect;
-  std::array<gpu::Image, 2> gradients;
   const gpu::Image& surface() const { return surfaces_[now_]; }
   const gpu::Image& previousSurface() const { return surfaces_[1 - now_]; }
 

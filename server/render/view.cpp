@@ -105,7 +105,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   if (showsNumbers(settings_.inspect)) settings_.auto_exposure = false;
   if (resized) createTargets(commands);
   histories.begin(commands, camera, settings_, tick, same_light,
-                  settings_.auto_exposure ? last_exposure_ : std::exp2(settings_.exposure_ev));
+                  settings_.auto_exposure ? last_exposure_ : std::exp2(settings_.exposure_ev), seed_);
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
   if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;

@@ -8,9 +8,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-GradientSample sampleOf(uvec2 pixel) {
+GradientSample sampleOf(uvec2 pixel, uint place) {
   GradientSample chosen;
-  chosen.pixel = kNothing;
+  chosen.mesh = kNothing;
   if (gradient_.keeps == 0u || !inPicture(ivec2(pixel))) return chosen;
   Hit hit = seenHit(pixel);
   const LobeLight light = sampledLight(ivec2(pixel));
@@ -18,13 +18,11 @@ GradientSample sampleOf(uvec2 pixel) {
   const InstanceRecord instance = InstanceTable(frame.instances).items[hit.slot];
   const vec2 ndc = 2.0 * (vec2(pixel) + gradient_.jitter) / vec2(frame.width, frame.height) - 1.0;
   seenTriangle(hit, instance, frame.position, frame.forward + frame.tangent * (ndc.x * frame.aspect * frame.right - ndc.y * frame.up));
-  chosen.pixel = pixel.x | pixel.y << 16;
-  chosen.seed = gradient_.seed;
   if (hit.level == kLevelInBlas) hit.level = instance.level;
   chosen.hit = packHit(hit);
-  chosen.mesh = instance.mesh;
+  chosen.mesh = instance.mesh | place << kPlaceShift;
   chosen.barycentrics = hit.barycentrics;
-  chosen.luminance = vec2(luminance(light.rgb[0]), luminance(light.rgb[1]));
+  chosen.luminance = packHalf2x16(vec2(luminance(light.rgb[0]), luminance(light.rgb[1])));
   return chosen;
 }
 
@@ -35,6 +33,6 @@ void main() {
   uint local = pcg4d(uvec4(stratum, gradient_.seed, 0u)).x % (kStratum * kStratum);
   if (claim != 0u && local == (claim - 1u) % (kStratum * kStratum)) local = (local + 1u) % (kStratum * kStratum);
   GradientSampleTable(history.gradient_samples).items[stratumIndex(stratum)] =
-      sampleOf(stratum * kStratum + uvec2(local % kStratum, local / kStratum));
+      sampleOf(stratum * kStratum + uvec2(local % kStratum, local / kStratum), local);
   imageStore(images_r32ui[history.claims], ivec2(stratum), uvec4(0u));
 }

@@ -2,6 +2,7 @@
 #ifndef HELIO_GRADIENTS_GLSL
 #define HELIO_GRADIENTS_GLSL
 #include "lib/history.glsl"
+#include "lib/hit.glsl"
 #include "shared/gradients.h"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer GradientSampleTable { GradientSample items[]; };
@@ -20,13 +21,30 @@ uvec2 claimedPixel(uint claim, uvec2 stratum) {
   const uint local = (claim - 1u) % (kStratum * kStratum);
   return stratum * kStratum + uvec2(local % kStratum, local / kStratum);
 }
-GradientSample gradientSample(uint index) { return GradientSampleTable(history.gradient_samples).items[index]; }
+
+// A stratum's sample.
+struct KeptSample {
+  bool there;
+  uvec2 pixel;  // whose random numbers it has
+  Hit hit;
+  uint mesh;
+  vec2 luminance;  // diffuse, specular; times the unit that was
+};
+KeptSample keptSample(uint index) {
+  const GradientSample kept = GradientSampleTable(history.gradient_samples).items[index];
+  Hit hit = unpackHit(kept.hit);
+  hit.barycentrics = kept.barycentrics;
+  const uvec2 stratum = uvec2(index % strata().x, index / strata().x);
+  const uint place = kept.mesh >> kPlaceShift;
+  return KeptSample(kept.mesh != kNothing, stratum * kStratum + uvec2(place % kStratum, place / kStratum), hit,
+                    kept.mesh & ((1u << kPlaceShift) - 1u), unpackHalf2x16(kept.luminance));
+}
 
 // The sample that is shaded again at the pixel; false: the pixel's own is new.
-bool reshadedAt(uvec2 pixel, out GradientSample again) {
+bool reshadedAt(uvec2 pixel, out KeptSample again) {
   const uint claim = claimOf(pixel / kStratum);
   if (claim == 0u || claimedPixel(claim, pixel / kStratum) != pixel) return false;
-  again = gradientSample(claimedSample(claim));
+  again = keptSample(claimedSample(claim));
   return true;
 }
 

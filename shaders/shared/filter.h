@@ -24,10 +24,7 @@ struct GradientConstants {
   uint keeps;      // 0: the next tick will shade nothing again
   uint seed;       // of the sample of this tick
   vec2 jitter;     // its position in the pixel
-  uint stride;     // strata between taps
-  // Images, rgba16f, a texel a stratum: diffuse and specular, each the change and the larger of the two luminances.
-  uint source;
-  uint target;
+  uint iteration;  // of the filter
 };
 
 HELIO_SHARED_END

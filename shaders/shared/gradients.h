@@ -9,14 +9,24 @@ HELIO_SHARED_BEGIN
 
 HELIO_CONSTANT kStratum = 3u;  // pixels along a side
 
+HELIO_CONSTANT kPlaceShift = 28u;
+
+// Of a stratum. Its random numbers are those of its pixel in the tick before.
 struct GradientSample {
-  uint pixel;  // whose random numbers it has: x | y << 16; kNothing: there is none
-  uint seed;
   uvec2 hit;  // packHit(), with the level that the mesh had
-  uint mesh;  // of the instance: one that is another by now is not looked at
+  uint mesh;  // of the instance: one that is another by now is not looked at; and the pixel's place in the stratum. kNothing: no sample
   vec2 barycentrics;
-  vec2 luminance;  // diffuse, specular; times the unit
+  uint luminance;  // 16-bit floats: diffuse, specular; times the unit
 };
+
+// The a-trous filter of gradients: its iterations, strides 1, 2, 4, 8, 16.
+HELIO_CONSTANT kGradientIterations = 5u;
+
+// What gradients need while they are filtered stands in the second image of light, which is free then: side by side, a texel a
+// stratum.
+HELIO_CONSTANT kGradientsHere = 0u;     // packHalf4(): diffuse and specular, each the change and the larger of two luminances
+HELIO_CONSTANT kGradientsThere = 1u;    // the filter goes to and fro
+HELIO_CONSTANT kGradientSurfaces = 2u;  // the surface in the stratum's middle
 
 HELIO_SHARED_END
 #endif

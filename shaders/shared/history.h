@@ -44,8 +44,9 @@ struct HistoryConstants {
   // Of A-SVGF (shared/gradients.h).
   uint64_t gradient_samples;  // GradientSample a stratum, of the tick before
   uint reshades;              // 1: they are shaded again
+  uint gradient_seed;         // of their random numbers
   uint claims;                // r32ui a stratum: packClaim()
-  uint gradients;             // rgba16f a stratum: filtered; diffuse and specular, change and larger luminance
+  uint changes;               // rg8 a stratum: the share of the light that is another than before; diffuse, specular
 
   uint split;    // 1: there is light by lobe, and surfaces
   uint surface;  // rg32ui: packSurface(), packDepth() along `forward`
@@ -57,6 +58,7 @@ struct HistoryConstants {
   // a sample was dropped (with kHitDistances the second of the two is packHitDistance()); then their mean over ticks.
   // The second also holds, before it holds light:
   // - packHit() of the surface that is seen in a mirror, where `surface` says that one is;
+  // - gradients while they are filtered (shared/gradients.h);
   // - this tick's moments and numbers of samples, until they can take the place of those of the tick before.
   uint sampled;
   uint sampled_deviation;

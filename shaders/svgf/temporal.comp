@@ -68,8 +68,7 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
 // Share of the light that is another than before, [0, 1]: diffuse, specular.
 vec2 changeOf(ivec2 pixel) {
   if (!kAdaptive || history.reshades == 0u) return vec2(0.0);
-  const vec4 gradient = imageLoad(images_rgba16f[history.gradients], pixel / int(kStratum));
-  return min(abs(gradient.xz) / max(gradient.yw, vec2(1e-6)), vec2(1.0));
+  return imageLoad(images_rg8[history.changes], pixel / int(kStratum)).xy;
 }
 
 void main() {

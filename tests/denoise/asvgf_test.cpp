@@ -34,6 +34,8 @@ TEST(Asvgf, NothingChangesWhereNothingChanges) {
     stage.accumulate(kCamera, settings, 7);
     settings.inspect = Inspect::samples;
     const render::Frame samples = stage.tick(kCamera, settings);
+    std::printf("A-SVGF keeps %.1f MB at 1920 x 1080\n", historyMegabytes(samples));
+    EXPECT_LE(historyMegabytes(samples), kMostMegabytes);
     // Every sample that was shaded again is what it was, so no history is cut.
     EXPECT_GT(shareOfSurfaces(samples, [](const float* s) { return s[0] > 7.9f && s[1] > 7.9f; }), 0.995);
   }

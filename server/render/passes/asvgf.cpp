@@ -1,6 +1,7 @@
 #include "render/passes/asvgf.h"
 
 #include "shared/filter.h"
+#include "shared/gradients.h"
 
 namespace helio::render {
 namespace {
@@ -50,9 +51,9 @@ void Asvgf::add(const ViewPass& pass, const shared::SampleConstants& sample,
                   {pass.instances, gpu::use::compute_read},
                   {&h.claims, gpu::use::compute_write},
                   {&h.gradient_samples, gpu::use::compute_write},
-                  {&h.gradients, gpu::use::compute_write}},
+                  {&h.spare, gpu::use::compute_write},
+                  {&h.changes, gpu::use::compute_write}},
                  [this, &view, sample](gpu::Commands& commands) {
-                   const Histories& images = view.histories;
                    shared::GradientConstants constants{};
                    constants.frame = view.constants.address();
                    constants.keeps = !view.accumulating();
@@ -64,14 +65,8 @@ void Asvgf::add(const ViewPass& pass, const shared::SampleConstants& sample,
                      dispatchOverStrata(commands, view);
                      commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
                    };
-                   constants.target = images.gradients[0].slot();
                    dispatch(gradient_);
-                   for (uint32_t i = 0; i < kGradientIterations; ++i) {
-                     constants.stride = 1u << i;
-                     constants.source = images.gradients[i % 2].slot();
-                     constants.target = images.gradients[(i + 1) % 2].slot();
-                     dispatch(atrous_);
-                   }
+                   for (; constants.iteration < shared::kGradientIterations; ++constants.iteration) dispatch(atrous_);
                    dispatch(choose_);
                  });
   filter_.add(pass, sample, last);

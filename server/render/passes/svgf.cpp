@@ -46,7 +46,7 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                   {&h.surface(), gpu::use::compute_write},
                   {&h.filtered, gpu::use::compute_read},
                   {&h.moments, gpu::use::compute_read},
-                  {&h.gradients, gpu::use::compute_read},
+                  {&h.changes, gpu::use::compute_read},
                   {&h.sampled, gpu::use::compute_write},
                   {&h.spare, gpu::use::compute_write}},
                  [this, &view, last](gpu::Commands& commands) {
