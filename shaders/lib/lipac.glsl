@@ -92,13 +92,14 @@ uint cellOf(uint entry) { return entry & kNoCell; }
 uint rankOf(uint entry) { return entry >> kRankShift & kRankMost; }
 uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 
-// The room that cells' boxes leave: ranks above `last` fit for sure, those equal to it as far as `room` goes.
-void findRoom(out uint last, out uint room) {
+// The room that cells' boxes leave: ranks from `sure` on fit for sure, those of the rank below as far as `room` goes.
+const uint kAllFit = 0u;
+void findRoom(out uint sure, out uint room) {
   StatusRef result = StatusRef(lipac.status);
   room = lipac.capacity - min(result.status.boxes, lipac.capacity);
-  last = 0u;
-  if (result.status.wanted <= room) room -= result.status.wanted - result.status.ranks[0];
-  else for (last = kRankMost; last > 0u && result.status.ranks[last] <= room; --last) room -= result.status.ranks[last];
+  sure = kAllFit;
+  if (result.status.wanted <= room) return;
+  for (sure = kRanks; sure > 1u && result.status.ranks[sure - 1u] <= room; --sure) room -= result.status.ranks[sure - 1u];
 }
 
 // How many threads of the group before this one have `mine`, and how many have it in all. A bit a thread: the same on every

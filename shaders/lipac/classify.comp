@@ -95,5 +95,7 @@ void main() {
   StatusRef result = StatusRef(lipac.status);
   if (gl_LocalInvocationIndex < kRanks && ranks[gl_LocalInvocationIndex] > 0u)
     atomicAdd(result.status.ranks[gl_LocalInvocationIndex], ranks[gl_LocalInvocationIndex]);
-  if (gl_LocalInvocationIndex == 0u && wanted > 0u) atomicAdd(result.status.wanted, wanted);
+  if (gl_LocalInvocationIndex > 0u) return;
+  if (wanted > 0u) atomicAdd(result.status.wanted, wanted);
+  PairTable(lipac.entry_sums).items[gl_WorkGroupID.x] = uvec2(wanted, 0u);  // should all find room
 }

@@ -24,18 +24,18 @@ void main() {
   const uint index = gl_GlobalInvocationID.x;
   const uint entry = index < lipac.count ? WordTable(lipac.entries).items[index] : 0u;
   const uint kind = kindOf(entry);
-  uint last, room, total;
-  findRoom(last, room);
-  const bool fits = kind != kKindNone && rankOf(entry) > last, may_fit = kind != kKindNone && rankOf(entry) == last;
+  uint from, room, total;
+  findRoom(from, room);
+  const bool wants = kind != kKindNone, fits = wants && rankOf(entry) >= from, may_fit = wants && rankOf(entry) + 1u == from;
   uvec2 place = PairTable(lipac.entry_sums).items[gl_WorkGroupID.x];
   place.x += groupRank_sure(fits, total);
-  place.y += groupRank_perhaps(may_fit, total);
+  if (from != kAllFit) place.y += groupRank_perhaps(may_fit, total);
   if ((entry & kThereBit) == 0u) return;
   const uint slot = slotAt(index);
   const bool enters = fits || (may_fit && place.y < room);
   // The shadow map has what rays do not meet.
   WordTable(lipac.untraced).items[slot] = enters && kind == kKindInstance ? 0u : 1u;
-  if (kind == kKindNone) return;
+  if (!wants) return;
   if (!enters) {
     WordTable(lipac.hits).items[slot] = kHitDropped;  // the feedback makes it inactive
     return;

@@ -42,8 +42,8 @@ void main() {
     sum += group;
   }
 
-  uint last, room;
-  findRoom(last, room);
+  uint from, room;
+  findRoom(from, room);
   const uint entered = all_entries.x + min(all_entries.y, room);
   // Boxes follow the instances.
   sum = uvec2(0u);
