@@ -131,12 +131,15 @@ void View::makeRasterTargets(gpu::Commands& commands) {
   const uint64_t texels = uint64_t{settings_.width} * settings_.height;
   if (!primary || computesPrimary()) depth = {};
   if (!primary || !computesPrimary()) keys = {};
-  if (!(primary && computesPrimary()) && !(shadows && computesShadows())) raster_tiles = {};
-  else if (!raster_tiles)
-    raster_tiles = gpu::Buffer(*device_, {"tiles of large triangles",
-                                          shared::kShadowCascades * sizeof(shared::RasterTileCount) +
-                                              shared::kMostTiles * sizeof(shared::RasterTile),
-                                          gpu::MemoryCategory::raster});
+  const uint64_t shadow_side = uint64_t{shared::kShadowTilesPerRow} * settings_.shadow_map_size;
+  const uint64_t tiles =
+      std::max(primary && computesPrimary() ? texels / shared::kPixelsATile : 0,
+               shadows && computesShadows() ? shadow_side * shadow_side / shared::kShadowTexelsATile : 0);
+  if (tiles == 0) raster_tiles = {};
+  else if (const uint64_t bytes =
+               shared::kShadowCascades * sizeof(shared::RasterTileCount) + tiles * sizeof(shared::RasterTile);
+           raster_tiles.size() != bytes)
+    raster_tiles = gpu::Buffer(*device_, {"tiles of large triangles", bytes, gpu::MemoryCategory::raster});
   if (primary && computesPrimary() && keys.size() != texels * sizeof(uint64_t))
     keys = gpu::Buffer(*device_, {"who is nearest", texels * sizeof(uint64_t), gpu::MemoryCategory::raster});
   if (primary && !computesPrimary() && !depth) {
@@ -144,8 +147,8 @@ void View::makeRasterTargets(gpu::Commands& commands) {
                                   VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT});
     commands.prepare(depth);
   }
-  if (const uint32_t side = shared::kShadowTilesPerRow * settings_.shadow_map_size;
-      shadows && (!shadow_image || shadow_image.width() != side || shadow_bits_ != computesShadows())) {
+  if (shadows && (!shadow_image || shadow_image.width() != shadow_side || shadow_bits_ != computesShadows())) {
+    const auto side = static_cast<uint32_t>(shadow_side);
     shadow_bits_ = computesShadows();
     const VkImageUsageFlags bits = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_SAMPLED_BIT;

@@ -23,7 +23,7 @@ class ComputeRaster {
                                   VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_READ_BIT};
 
   /// Records the draws of all volumes of `lists` into what `constants` tells: frame, what is drawn into, its size, the
-  /// jitter. Volumes are cascades of a shadow map. `tiles`: working memory (shared::kMostTiles).
+  /// jitter. Volumes are cascades of a shadow map. `tiles`: working memory, as much as there is.
   void draw(gpu::Commands& commands, const DrawLists& lists, uint32_t volumes, bool any_masks, const gpu::Buffer& tiles,
             shared::RasterConstants constants) const;
 
