@@ -78,12 +78,12 @@ void main() {
     const float gathered = kStage == kPreblur ? 1.0 : gatheredTicks(pixel).x;
     const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
     const TangentDisk disk = tangentDisk(pixel, normalOf(here), here.depth, here.mirrored);
-    vec2 sum = vec2(1.0);
     // A dropped sample is no darkness.
-    if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0) sum = vec2(1e-4);
-    for (uint s = 0u; s < kSignals; ++s) light.rgb[s] *= sum[s];
+    const float own_weight = kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0 ? 1e-4 : 1.0;
     for (uint s = 0u; s < kSignals; ++s) {
       if (radius[s] < 0.5) continue;
+      CutMean mean = emptyMean();
+      addTo(mean, light.rgb[s], own_weight);
       for (uint i = 0u; i < kTaps; ++i) {
         const vec2 tap = diskTap(i, turn + float(s));
         const ivec2 at = ivec2(floor(diskPixel(disk, tap * radius[s])));
@@ -93,11 +93,12 @@ void main() {
                   sunlitWeight(here, there, gathered);
         if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], at).x == 0.0) w = 0.0;
         if (w <= 0.0) continue;
-        light.rgb[s] += w * unpackLight(s == 0u ? imageLoad(images_rg32ui[filter_.source], at).x : imageLoad(images_rg32ui[filter_.source], at).y);
-        sum[s] += w;
+        addTo(mean, unpackLight(s == 0u ? imageLoad(images_rg32ui[filter_.source], at).x : imageLoad(images_rg32ui[filter_.source], at).y), w);
       }
+      // Behind the pre-blur no fireflies are left; what is cut then, blurs bring anyway.
+      finish(mean, 1.0);
+      light.rgb[s] = mean.light / mean.weight;
     }
-    for (uint s = 0u; s < kSignals; ++s) light.rgb[s] /= sum[s];
   }
   writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 20u + kStage).x);
 }

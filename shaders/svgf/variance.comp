@@ -14,9 +14,7 @@ const int kRadius = 3;
 
 // Mean light and standard deviation of its luminance over the neighbours.
 LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 samples) {
-  vec3 light[kSignals] = vec3[](vec3(0.0), vec3(0.0));
-  vec2 means = vec2(0.0), squares = vec2(0.0);
-  float sum = 0.0;
+  CutMean means[kSignals] = CutMean[](emptyMean(), emptyMean());
   for (int y = -kRadius; y <= kRadius; ++y)
     for (int x = -kRadius; x <= kRadius; ++x) {
       const ivec2 at = pixel + ivec2(x, y);
@@ -24,30 +22,32 @@ LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 sa
       const SurfaceTexel there = readSurface(history.surface, at);
       const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(x, y))) * sunlitWeight(here, there, samples.x);
       const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
-      const vec3 c[kSignals] = vec3[](unpackLight(packed_light.x), unpackLight(packed_light.y));
-      const vec2 l = vec2(luminance(c[0]), luminance(c[1]));
-      for (uint s = 0u; s < kSignals; ++s) light[s] += w * c[s];
-      means += w * l;
-      squares += w * l * l;
-      sum += w;
+      addTo(means[0], unpackLight(packed_light.x), w);
+      addTo(means[1], unpackLight(packed_light.y), w);
     }
-  means /= sum;
-  // The neighbours' means vary as this one does. The first ticks' estimate is widened, lest the filter trust it.
-  const vec2 variance = max(squares / sum - means * means, vec2(0.0)) * kEnoughTicks / max(samples, vec2(1.0));
-  return LobeLight(vec3[](light[0] / sum, light[1] / sum), sqrt(variance));
+  LobeLight result;
+  for (uint s = 0u; s < kSignals; ++s) {
+    CutMean m = means[s];
+    finish(m, samples[s]);
+    result.rgb[s] = m.light / m.weight;
+    // The neighbours' means vary as this one does. The first ticks' estimate is widened, lest the filter trust it.
+    const float mean = m.first / m.weight, variance = max(m.second / m.weight - mean * mean, 0.0);
+    result.deviation[s] = sqrt(variance * kEnoughTicks / max(samples[s], 1.0));
+  }
+  return result;
 }
 
-// One sample in a million is a thousand times as bright as what is around it (the sun, found by chance in a window): it would stay in the
-// mean for good, and no filter could take it. So a mean may be so many times as bright as those of like geometry and sunlight two
-// pixels off, if there are enough of them. Biased: what lights a single pixel comes out darker.
-const float kMostOverSurroundings = 8.0, kEnoughAround = 2.0;
-
+const float kEnoughAround = 2.0;
+// Means of like geometry and sunlight two pixels off say how bright this one may be.
 vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
   vec2 around = vec2(0.0);
   float sum = 0.0;
   for (int i = 0; i < 9; ++i) {
-    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), at = pixel + offset;
-    if (i == 4 || !inPicture(at)) continue;
+    if (i == 4) continue;
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1);
+    ivec2 at = pixel + offset;
+    if (!inPicture(at)) at = pixel - offset;
+    if (!inPicture(at)) continue;
     const SurfaceTexel there = readSurface(history.surface, at);
     const float w = geometryWeight(here, there, gradient, length(vec2(offset))) * sunlitWeight(here, there, samples);
     const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
@@ -56,7 +56,7 @@ vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel 
   }
   if (sum < kEnoughAround) return light;
   for (uint s = 0u; s < kSignals; ++s) {
-    const float l = luminance(light[s]), most = kMostOverSurroundings * around[s] / sum;
+    const float l = luminance(light[s]), most = mostLuminance(around[s] / sum, kTicksOfMeans);
     if (l > most) light[s] *= most / l;
   }
   return light;

@@ -115,6 +115,31 @@ INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Den
                            return p.param == Denoiser::svgf ? "svgf" : p.param == Denoiser::asvgf ? "asvgf" : "reblur";
                          });
 
+// A small sun in a mirror behind the camera: one diffuse ray in some ten thousand finds it, and brings thousands of times the light.
+TEST_P(Histories, FirefliesDoNotStayInThem) {
+  SceneBuilder b;
+  b.place(b.prefab("ground", quad(40.0f), b.material(lambert(glm::vec3(0.6f)))));
+  b.place(b.prefab("mirror", quad(8.0f), b.material(metal(glm::vec3(0.95f), 0.0f))),
+          glm::mat4x3({0, 1, 0}, {-1, 0, 0}, {0, 0, 1}, {6, 4, 0}));
+  b.environment().sun = {glm::normalize(glm::vec3(1.0f, -1.0f, 0.0f)), glm::vec3(3.0f), 0.02f};
+  b.environment().sky = {glm::vec3(0.3f), glm::vec3(0.3f)};
+  const scene::ScenePtr scene = b.build();
+  Stage stage(scene), bare(scene);
+  float brightest = 0.0f, raw = 0.0f, usual = 0.0f;
+  const auto most = [](const render::Frame& frame) { return *std::max_element(frame.radiance.begin(), frame.radiance.end()); };
+  const scene::Camera camera = lookAt({-1.0f, 3.0f, 3.0f}, {1.0f, 0, 0});
+  for (int tick = 0; tick < 24; ++tick) {
+    const render::Frame frame = stage.tick(camera, live(GetParam()));
+    raw = std::max(raw, most(bare.tick(camera, live(Denoiser::none))));
+    brightest = std::max(brightest, most(frame));
+    usual = mean(frame).y;
+    if (tick == 23) showPicture(frame, "fireflies");
+  }
+  std::printf("brightest raw %.1f, denoised %.2f, mean %.3f\n", raw, brightest, usual);
+  EXPECT_GT(raw, 500.0f * usual);
+  EXPECT_LT(brightest, 2.0f * usual);
+}
+
 TEST_P(Histories, WhatIsBrokenInThemDoesNotSpread) {
   Stage stage(lampRoom());
   render::ViewSettings settings = live(GetParam());
