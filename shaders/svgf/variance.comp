@@ -37,10 +37,12 @@ LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 sa
   return result;
 }
 
+// Means of like geometry and sunlight two pixels off say how bright this one may be. What is too thin to have such neighbours is
+// measured by the brightest surface around it.
 const float kEnoughAround = 2.0;
-// Means of like geometry and sunlight two pixels off say how bright this one may be.
+
 vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
-  vec2 around = vec2(0.0);
+  vec2 around = vec2(0.0), brightest = vec2(-1.0);
   float sum = 0.0;
   for (int i = 0; i < 9; ++i) {
     if (i == 4) continue;
@@ -49,14 +51,18 @@ vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel 
     if (!inPicture(at)) at = pixel - offset;
     if (!inPicture(at)) continue;
     const SurfaceTexel there = readSurface(history.surface, at);
+    if (there.depth == 0.0) continue;
     const float w = geometryWeight(here, there, gradient, length(vec2(offset))) * sunlitWeight(here, there, samples);
     const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
-    around += w * vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y)));
+    const vec2 l = vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y)));
+    around += w * l;
     sum += w;
+    brightest = max(brightest, l);
   }
-  if (sum < kEnoughAround) return light;
+  if (brightest.x < 0.0) return light;
+  const vec2 surroundings = sum < kEnoughAround ? brightest : around / sum;
   for (uint s = 0u; s < kSignals; ++s) {
-    const float l = luminance(light[s]), most = mostLuminance(around[s] / sum, kTicksOfMeans);
+    const float l = luminance(light[s]), most = mostLuminance(surroundings[s], kTicksOfMeans);
     if (l > most) light[s] *= most / l;
   }
   return light;

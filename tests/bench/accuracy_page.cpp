@@ -16,8 +16,9 @@ section { background: #fff; border: 1px solid #dde2e8; border-radius: 8px; paddi
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: .6rem 0 }
 td, th { padding: .15rem .7rem; text-align: right; font-weight: normal; border-top: 1px solid #eef1f4 }
 th { color: #5b6774; font-size: .85rem; border: 0 } td:first-child, th:first-child { text-align: left }
-.pictures { display: flex; flex-wrap: wrap; gap: .8rem } figure { margin: 0 } figcaption { font-size: .85rem; color: #5b6774 }
-.crop { width: 320px; height: 180px; background-position: center; background-repeat: no-repeat; border: 1px solid #dde2e8; display: inline-block }
+.pictures { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: .8rem; align-items: start }
+.pictures > :first-child { position: sticky; top: .8rem } figure { margin: 0 } figcaption { font-size: .85rem; color: #5b6774 }
+.crop { box-sizing: border-box; width: 100%; aspect-ratio: 16 / 9; background-position: center; background-repeat: no-repeat; border: 1px solid #dde2e8; }
 .small { image-rendering: pixelated; background-size: contain }
 svg { background: #fff; border: 1px solid #dde2e8; border-radius: 8px; width: 100%; height: auto } svg text { font-size: 12px; fill: #1b2733 }
 .grid { stroke: #e6eaee } .axis { fill: #5b6774 } .front { fill: none; stroke: #1f6fb2; stroke-width: 2; opacity: .5 }
@@ -48,14 +49,20 @@ Scale scaleOf(const std::vector<AccuracyPoint>& points, const F& value, double f
   return {low - room, high + room, from, to};
 }
 
-/// 1, 2 and 5 times powers of ten within the scale.
+/// 1, 2 and 5 times powers of ten within the scale; where that is narrow, as many tenths of them as make three.
 std::vector<double> ticksOf(const Scale& scale) {
   std::vector<double> ticks;
+  const auto add = [&](double value) {
+    if (std::log10(value) >= scale.low && std::log10(value) <= scale.high) ticks.push_back(value);
+  };
   for (double decade = std::floor(scale.low); decade <= scale.high; ++decade)
-    for (const double digit : {1.0, 2.0, 5.0}) {
-      const double value = digit * std::pow(10.0, decade);
-      if (std::log10(value) >= scale.low && std::log10(value) <= scale.high) ticks.push_back(value);
-    }
+    for (const double digit : {1.0, 2.0, 5.0}) add(digit * std::pow(10.0, decade));
+  for (const int tenths : {10, 5, 2, 1}) {
+    if (ticks.size() >= 3) break;
+    ticks.clear();
+    for (double decade = std::floor(scale.low); decade <= scale.high; ++decade)
+      for (int digit = 10; digit < 100; digit += tenths) add(0.1 * digit * std::pow(10.0, decade));
+  }
   return ticks;
 }
 
@@ -110,7 +117,7 @@ std::string paretoPlot(const AccuracyReport& report) {
 
 /// The middle of a picture in its own size; small ones whole, and enlarged.
 std::string figure(const std::string& png, const std::string& caption, uint32_t width) {
-  return "<figure><div class='crop" + std::string(width < 320 ? " small" : "") +
+  return "<figure><div class='crop" + std::string(width < 400 ? " small" : "") +
          "' style=\"background-image:url('data:image/png;base64," + absl::Base64Escape(png) +
          "')\"></div><figcaption>" + escaped(caption) + "</figcaption></figure>";
 }
@@ -145,8 +152,10 @@ std::string section(const std::vector<AccuracyPoint>& points, const AccuracyRepo
       html += "<td>" + cell + "</td>";
     html += "</tr>";
   }
-  html += "</table>" + recoveryTable(points) + "<div class=pictures>" +
-          figure(report.reference_png, "reference", report.options.width);
+  // The reference stays in sight beside all of them.
+  html += "</table>" + recoveryTable(points) + "<div class=pictures><div style='grid-row: span " +
+          std::to_string(points.size()) + "'>" + figure(report.reference_png, "reference", report.options.width) +
+          "</div>";
   for (const AccuracyPoint& p : points)
     html += figure(p.picture_png, p.name, report.options.width) +
             figure(p.error_png, p.name + ": FLIP", report.options.width);
@@ -181,7 +190,8 @@ std::string toHtml(const AccuracyReport& report) {
       " bounces, whose own noise is a relative MSE of " + shown(report.reference_noise) + ".</p><p class=about>" +
       escaped(report.provenance.device.name + " (" + report.provenance.device.driver + "), " + report.provenance.date +
               ", " + report.provenance.build) +
-      "<br><code>" + escaped(report.provenance.command) + "</code></p>" + paretoPlot(report);
+      "<br><code>" + escaped(report.provenance.command) + "</code></p><p class=about><a download=accuracy.csv href='data:text/csv;base64," +
+      absl::Base64Escape(toCsv(report)) + "'>All figures as CSV</a></p>" + paretoPlot(report);
   for (size_t i = 0; i < report.points.size();) {
     size_t end = i;
     while (end < report.points.size() && report.points[end].axis == report.points[i].axis) ++end;
