@@ -32,7 +32,7 @@ uint keyOf(uint slot, DrawVolume volume) {
     for (uint i = 0u; i < 4u; ++i) within = within && dot(volume.planes[i].xyz, centre) + volume.inner[i] >= radius;
     if (within) return key | kNotDrawn;
   }
-  if (2.0 * radius <= volume.error) return key | kNotDrawn;
+  if (2.0 * radius <= volume.least) return key | kNotDrawn;
   return key | levelOf(volume, mesh, centre, radius, stretch);
 }
 

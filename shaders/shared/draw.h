@@ -32,10 +32,10 @@ struct DrawVolume {
   vec4 inner;
   uint has_inner;
   // A level of detail may be off by `error` + `error_per_metre` times the distance to `eye`; both negative: none.
-  // Who is no larger than `error` is left out.
   vec3 eye;
   float error;
   float error_per_metre;
+  float least;  // metres: who is no larger is left out
 };
 
 // VkDrawIndexedIndirectCommand.

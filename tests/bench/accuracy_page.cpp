@@ -102,8 +102,10 @@ std::string paretoPlot(const AccuracyReport& report) {
     const auto taken = [&](const Label& other) {
       return std::abs(other.x - label.x) < 120 && std::abs(other.y - label.y) < 12;
     };
-    for (int attempt = 0; attempt < 30 && std::any_of(placed.begin(), placed.end(), taken); ++attempt)
-      label.y = py + 4 + (attempt % 2 ? -13.0 : 13.0) * (1 + attempt / 2);
+    for (int attempt = 0; attempt < 30 && std::any_of(placed.begin(), placed.end(), taken); ++attempt) {
+      const int lines = (1 + attempt / 2) * (attempt % 2 ? -1 : 1);
+      label.y = py + 4 + 13.0 * lines;
+    }
     placed.push_back(label);
     if (std::abs(label.y - py - 4) > 1)
       svg += "<line class=grid x1=" + number(px) + " y1=" + number(py) + " x2=" + number(label.x) +

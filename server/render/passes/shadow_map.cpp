@@ -8,7 +8,8 @@ namespace {
 
 constexpr float kNearest = 24.0f;   // metres: half the side of the first cascade
 constexpr float kAhead = 0.6f;      // of that, from the camera to its centre
-constexpr float kTexelsOff = 3.0f;  // that a level of detail may differ from the finest; what is smaller is left out
+constexpr float kTexelsOff = 3.0f;   // that a level of detail may differ from the finest
+constexpr float kLeastTexels = 1.0f;  // what is smaller is left out; with 3, young forests had no shadows from above
 constexpr float kFinerTexels = 4.0f, kCoarserTexels = 3.0f;  // of the lookups' edge, lift and filter
 constexpr uint32_t kTilesPerRow = shared::kShadowTilesPerRow;
 
@@ -35,6 +36,7 @@ shared::DrawVolume casters(const shared::ShadowMap& map, uint32_t c, bool levels
   volume.eye = cascade.centre;
   volume.error = levels ? kTexelsOff * texel(cascade) : -1.0f;
   volume.error_per_metre = levels ? 0.0f : -1.0f;
+  volume.least = levels ? kLeastTexels * texel(cascade) : 0.0f;
   return volume;
 }
 
