@@ -12,15 +12,16 @@ layout(constant_id = 0) const bool kKeepsMean = false;
 const float kEnoughTicks = 4.0;
 const int kRadius = 3;
 
-// Mean light and standard deviation of its luminance over the neighbours.
-LobeLight overNeighbours(ivec2 pixel, SurfaceTexel here, float gradient, vec2 samples) {
+// Mean light and standard deviation of its luminance over the neighbours and the pixel's own.
+LobeLight overNeighbours(vec3 own[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, vec2 samples) {
   CutMean means[kSignals] = CutMean[](emptyMean(), emptyMean());
+  for (uint s = 0u; s < kSignals; ++s) addTo(means[s], own[s], 1.0);
   for (int y = -kRadius; y <= kRadius; ++y)
     for (int x = -kRadius; x <= kRadius; ++x) {
       const ivec2 at = pixel + ivec2(x, y);
-      if (!inPicture(at)) continue;
+      if (at == pixel || !inPicture(at)) continue;
       const SurfaceTexel there = readSurface(history.surface, at);
-      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(x, y))) * sunlitWeight(here, there, samples.x);
+      const float w = geometryWeight(here, there, gradient, length(vec2(x, y))) * sunlitWeight(here, there, samples.x);
       const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
       addTo(means[0], unpackLight(packed_light.x), w);
       addTo(means[1], unpackLight(packed_light.y), w);
@@ -81,7 +82,7 @@ void main() {
   if (here.depth > 0.0) light.rgb = withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
-    const LobeLight around = overNeighbours(pixel, here, gradient, samples);
+    const LobeLight around = overNeighbours(light.rgb, pixel, here, gradient, samples);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
       light.rgb[s] = around.rgb[s];
