@@ -30,20 +30,22 @@ float lobeWidth(float roughness) { return 1.0 - exp2(-50.0 * roughness * roughne
 // Of the nearest thing that the light can have come from, over the height of the view there, [0, 1].
 float hitFactor(float hit_distance, float depth) { return clamp(hit_distance / max(2.0 * frame.tangent * depth, 1e-6), kLeastHitFactor, 1.0); }
 
-// The mean of what the samples around know: one sample's distance is as noisy as its light.
-float hitFactorAround(ivec2 pixel, SurfaceTexel here, float gradient) {
-  float sum = 0.0, weights = 0.0;
-  for (int y = -1; y <= 1; ++y)
-    for (int x = -1; x <= 1; ++x) {
-      const ivec2 at = pixel + ivec2(x, y) * 2;
-      if (!inPicture(at)) continue;
-      const SurfaceTexel there = readSurface(history.surface, at);
-      const float w = x == 0 && y == 0 ? 1.0 : geometryWeight(here, there, gradient, 2.0 * length(vec2(x, y)));
-      const float d = imageLoad(images_rg16f[history.sampled_deviation], at).y;
-      sum += w * (d < 0.0 ? hitFactor(-d, here.depth) : 1.0);
-      weights += w;
-    }
-  return sum / weights;
+// One sample's distance is as noisy as its light: the mean of what the samples around know. And no sample is a firefly among them.
+float lookAround(inout Lobes light, ivec2 pixel, SurfaceTexel here, float gradient) {
+  float factors = 0.0, weights = 0.0;
+  Surroundings around = noSurroundings();
+  for (int i = 0; i < 9; ++i) {
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), at = tapAround(pixel, offset);
+    if (!inPicture(at)) continue;
+    const SurfaceTexel there = readSurface(history.surface, at);
+    const float w = i == 4 ? 1.0 : geometryWeight(here, there, gradient, length(vec2(offset)));
+    const float d = imageLoad(images_rg16f[history.sampled_deviation], at).y;
+    factors += w * (d < 0.0 ? hitFactor(-d, here.depth) : 1.0);
+    weights += w;
+    if (i != 4 && there.depth > 0.0) addTo(around, luminances(readLobes(filter_.source, at)), w);
+  }
+  cutFireflies(light.rgb, around, 1.0);
+  return factors / weights;
 }
 
 // Radii of both lobes, pixels.
@@ -62,16 +64,16 @@ void main() {
   if (!inPicture(pixel)) return;
   const SurfaceTexel here = readSurface(history.surface, pixel);
   float hit_factor = 1.0;
+  Lobes light = readLobes(filter_.source, pixel);
   if (kStage == kPreblur) {
     imageStore(images_rg16f[history.stabilised], pixel, vec4(imageLoad(images_rg16f[history.spare_deviation], pixel).xy, 0.0, 0.0));
-    if (here.depth > 0.0) hit_factor = hitFactorAround(pixel, here, gradientAt(pixel));
+    if (here.depth > 0.0) hit_factor = lookAround(light, pixel, here, gradientAt(pixel));
     // What was dropped is told apart: 0.
     const bool dropped = imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0;
     imageStore(images_rg16f[history.spare_deviation], pixel, vec4(hit_factor, dropped ? 0.0 : 1.0, 0.0, 0.0));
   } else {
     hit_factor = imageLoad(images_rg16f[history.spare_deviation], pixel).x;
   }
-  Lobes light = readLobes(filter_.source, pixel);
   if (here.depth > 0.0) {
     const float gradient = gradientAt(pixel);
     const vec2 radius = radii(pixel, hit_factor), sharpness = lobeSharpness(roughnessAt(pixel));

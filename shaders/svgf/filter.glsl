@@ -23,6 +23,29 @@ float mostLuminance(float around, float ticks) {
   return max(kMostOverSurroundings * max(kTicksOfMeans / max(ticks, 1.0), 1.0) * around, kLeastFirefly);
 }
 
+// What is two pixels off, by weight; and the brightest of it, whatever its weight.
+struct Surroundings {
+  vec2 luminances;  // sum
+  float weight;
+  vec2 brightest;  // negative: nothing is around
+};
+Surroundings noSurroundings() { return Surroundings(vec2(0.0), 0.0, vec2(-1.0)); }
+void addTo(inout Surroundings around, vec2 luminances, float w) {
+  around.luminances += w * luminances;
+  around.weight += w;
+  around.brightest = max(around.brightest, luminances);
+}
+// Beyond the border stands what is on the other side.
+ivec2 tapAround(ivec2 pixel, ivec2 offset) { return inPicture(pixel + offset) ? pixel + offset : pixel - offset; }
+
+// Surfaces like the pixel's say how bright it may be. What is too thin to have such neighbours is measured by the brightest around it.
+const float kEnoughAround = 2.0;
+void cutFireflies(inout vec3 light[kSignals], Surroundings around, float ticks) {
+  if (around.brightest.x < 0.0) return;
+  const vec2 surroundings = around.weight < kEnoughAround ? around.brightest : around.luminances / around.weight;
+  for (uint s = 0u; s < kSignals; ++s) light[s] *= min(1.0, mostLuminance(surroundings[s], ticks) / max(luminance(light[s]), 1e-6));
+}
+
 // A weighted mean whose brightest part is kept apart, to be cut in the end.
 struct CutMean {
   vec3 light;           // sums, without the brightest

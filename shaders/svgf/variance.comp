@@ -38,35 +38,18 @@ LobeLight overNeighbours(vec3 own[kSignals], ivec2 pixel, SurfaceTexel here, flo
   return result;
 }
 
-// Means of like geometry and sunlight two pixels off say how bright this one may be. What is too thin to have such neighbours is
-// measured by the brightest surface around it.
-const float kEnoughAround = 2.0;
-
-vec3[kSignals] withoutFireflies(vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
-  vec2 around = vec2(0.0), brightest = vec2(-1.0);
-  float sum = 0.0;
+void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
+  Surroundings around = noSurroundings();
   for (int i = 0; i < 9; ++i) {
-    if (i == 4) continue;
-    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1);
-    ivec2 at = pixel + offset;
-    if (!inPicture(at)) at = pixel - offset;
-    if (!inPicture(at)) continue;
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), at = tapAround(pixel, offset);
+    if (i == 4 || !inPicture(at)) continue;
     const SurfaceTexel there = readSurface(history.surface, at);
     if (there.depth == 0.0) continue;
     const float w = geometryWeight(here, there, gradient, length(vec2(offset))) * sunlitWeight(here, there, samples);
     const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
-    const vec2 l = vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y)));
-    around += w * l;
-    sum += w;
-    brightest = max(brightest, l);
+    addTo(around, vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y))), w);
   }
-  if (brightest.x < 0.0) return light;
-  const vec2 surroundings = sum < kEnoughAround ? brightest : around / sum;
-  for (uint s = 0u; s < kSignals; ++s) {
-    const float l = luminance(light[s]), most = mostLuminance(surroundings[s], kTicksOfMeans);
-    if (l > most) light[s] *= most / l;
-  }
-  return light;
+  cutFireflies(light, around, kTicksOfMeans);
 }
 
 void main() {
@@ -79,7 +62,7 @@ void main() {
   keepTicks(pixel, samples);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
   const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
-  if (here.depth > 0.0) light.rgb = withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
+  if (here.depth > 0.0) withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
     const LobeLight around = overNeighbours(light.rgb, pixel, here, gradient, samples);
