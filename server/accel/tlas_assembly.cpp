@@ -55,6 +55,12 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
   reserve(commands, count);
+  if (const uint64_t bytes = bucketAbove(static_cast<uint32_t>(table.records().size())) * sizeof(uint32_t);
+      untraced_.size() < bytes) {
+    if (untraced_) commands.retire(std::move(untraced_));
+    untraced_ = gpu::Buffer(device_, {"what rays do not meet", bytes, gpu::MemoryCategory::ray_tracing});
+  }
+  commands.fill(untraced_, 1);
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
@@ -97,6 +103,7 @@ void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table,
   constants.volumes = culls_ ? volume_buffer_.address() : 0;
   constants.spheres = spheres_.address();
   constants.entered = counter_.address();
+  constants.untraced = untraced_.address();
   constants.count = static_cast<uint32_t>(table.order().size());
   constants.block_count = static_cast<uint32_t>(chosen_.size());
   constants.volume_count = static_cast<uint32_t>(volumes_.size());

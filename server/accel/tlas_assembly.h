@@ -18,7 +18,7 @@ class TlasAssembly {
   /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
   /// Gives back what edits leave over, once they have been over for a while.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
-  /// The same for so many entries, which somebody else writes to output().
+  /// The same for so many entries, which somebody else writes to output(), and who is untraced to a table of its own.
   void reserve(gpu::Commands& commands, uint32_t count);
   VkDeviceAddress output() const { return instances_.address(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
@@ -29,16 +29,18 @@ class TlasAssembly {
   void build(gpu::Commands& commands);
 
   VkDeviceAddress address() const { return tlas_.address(); }
+  /// By slot: 0 where rays meet the instance, as the last assemble() had it.
+  const gpu::Buffer& untraced() const { return untraced_; }
   uint32_t capacity() const { return capacity_; }
   /// Of the last build that is done.
   uint32_t entered() const;
-  uint64_t bytes() const { return tlas_.bytes() + instances_.size(); }
+  uint64_t bytes() const { return tlas_.bytes() + instances_.size() + untraced_.size(); }
   uint64_t scratchBytes() const { return tlas_.scratchBytes(); }
 
  private:
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
-  gpu::Buffer spheres_, instances_, chosen_buffer_, volume_buffer_, counter_, counter_readback_;
+  gpu::Buffer spheres_, instances_, chosen_buffer_, volume_buffer_, counter_, counter_readback_, untraced_;
   gpu::Tlas tlas_;
   std::vector<uint32_t> chosen_;  // blocks, ascending
   bool all_blocks_ = true;

@@ -366,8 +366,11 @@ void WorldRenderer::addRasterPasses(const ViewPass& pass, const glm::vec2& jitte
   for (const accel::OrderBlock& block : instances_.blocks())
     bounds.grow({block.centre - block.radius, block.centre + block.radius});
   if (!bounds.empty()) world = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
-  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world,
-                         guided_ ? &lipac_->untraced() : nullptr);
+  // In the place of rays the map has everything; together with them it has what they do not meet.
+  ShadowCasters casters;
+  if (settings.sun_shadow == SunShadow::rays_and_map)
+    casters = guided_ ? ShadowCasters{&lipac_->untraced(), pass.hits} : ShadowCasters{&tlas_.untraced(), pass.tlas};
+  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world, casters);
 }
 
 void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {

@@ -15,6 +15,7 @@ layout(buffer_reference, scalar) readonly buffer VolumeTable { CullVolume items[
 layout(buffer_reference, scalar) readonly buffer SphereTable { vec4 items[]; };
 layout(buffer_reference, scalar) writeonly buffer TlasTable { TlasInstance items[]; };
 layout(buffer_reference, scalar) buffer CounterRef { uint entered; };
+layout(buffer_reference, scalar) writeonly buffer UntracedTable { uint items[]; };
 const float kSmallest = 1e-6;  // metres
 
 layout(push_constant, scalar) uniform Assemble { AssembleConstants assemble; };
@@ -63,6 +64,7 @@ void main() {
           result.hit_group_and_flags = kFlagDisableCulling << 24;
           result.blas = blas;
           atomicAdd(CounterRef(assemble.entered).entered, 1u);
+          UntracedTable(assemble.untraced).items[slot] = 0u;
         }
       }
     }

@@ -32,7 +32,8 @@ struct AssembleConstants {
   uint64_t blocks;   // uint: blocks of `order` that are looked at; 0: all
   uint64_t volumes;  // CullVolume: who touches none stays out; 0: all enter
   uint64_t spheres;  // vec4 a mesh: centre and radius of its bounds
-  uint64_t entered;  // uint: counts who entered
+  uint64_t entered;   // uint: counts who entered
+  uint64_t untraced;  // uint, by slot: becomes 0 where rays meet the instance
   uint count;        // entries of `order`
   uint block_count;
   uint volume_count;

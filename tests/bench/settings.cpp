@@ -25,6 +25,7 @@ const std::map<std::string, Setter>& setters() {
                                           {"regularisation", into(&S::regularisation)},
                                           {"path_launches", into(&S::path_launches)},
                                           {"sun_shadow", into(&S::sun_shadow)},
+                                          {"culling_view", into(&S::culling_view)},
                                           {"taa", into(&S::taa)},
                                           {"technique", into(&S::technique)},
                                           {"ambient", into(&S::ambient)},

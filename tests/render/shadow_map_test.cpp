@@ -1,6 +1,7 @@
 // The sun's shadow map says what rays say, but for the edges of shadows; and it is there only when somebody asks for
 // it.
 #include <cmath>
+#include <cstdio>
 
 #include "render/passes/shadow_map.h"
 #include "support/scenes.h"
@@ -72,11 +73,38 @@ TEST(ShadowMap, AgreesWithRaysOnAllButTheEdgesOfShadows) {
   EXPECT_LT(static_cast<double>(different) / static_cast<double>(compared), 0.005);
 }
 
-TEST(ShadowMap, TogetherWithRaysNothingGetsBrighterAndShadowsStay) {
-  Stage stage(yard());
-  const render::Frame rays = stage.tick(kCamera, settingsWith(SunShadow::rays)),
-                      both = stage.tick(kCamera, settingsWith(SunShadow::rays_and_map));
-  EXPECT_LT(std::abs(mean(both).g / mean(rays).g - 1.0f), 0.03f);
+// Where rays meet everything the map has nothing to add. First ticks draw the same random numbers.
+TEST(ShadowMap, TogetherWithRaysItDrawsWhatTheyDoNotMeet) {
+  const render::Frame rays = Stage(yard()).tick(kCamera, settingsWith(SunShadow::rays)),
+                      both = Stage(yard()).tick(kCamera, settingsWith(SunShadow::rays_and_map));
+  EXPECT_EQ(both.stats.shadow_triangles, 0u);
+  for (size_t i = 0; i < rays.radiance.size(); ++i) ASSERT_NEAR(both.radiance[i], rays.radiance[i], 1e-5f) << i;
+
+  Stage culled(yard());
+  render::CullingSettings near_alone;
+  near_alone.radius = 12.0f;
+  culled.setCulling(render::Culling::distance, near_alone);
+  const render::Frame rest = culled.tick(kCamera, settingsWith(SunShadow::rays_and_map));
+  const render::Frame without = culled.tick(kCamera, settingsWith(SunShadow::rays));
+  EXPECT_GT(rest.stats.shadow_triangles, 0u);
+  const auto brighter = [&](const render::Frame& frame) {
+    size_t count = 0;
+    for (size_t i = 0; i < rays.radiance.size(); ++i) count += frame.radiance[i] > 1.5f * rays.radiance[i] + 0.1f;
+    return count;
+  };
+  std::printf("%zu channels have a shadow less by rays alone, %zu with the map\n", brighter(without), brighter(rest));
+  EXPECT_GT(brighter(without), 100u);
+  EXPECT_LT(brighter(rest), brighter(without) / 5);
+}
+
+TEST(ShadowMap, InThePlaceOfRaysItDrawsWhatTheyMeetToo) {
+  Stage full(yard()), guided(yard());
+  guided.setCulling(render::Culling::lipac);
+  const render::Frame expected = full.accumulate(kCamera, settingsWith(SunShadow::map), 3),
+                      shown = guided.accumulate(kCamera, settingsWith(SunShadow::map), 3);
+  ASSERT_GT(shown.stats.lipac->active, 10u);
+  EXPECT_EQ(shown.stats.shadow_triangles, expected.stats.shadow_triangles);
+  EXPECT_LT(std::abs(mean(shown).g / mean(expected).g - 1.0f), 0.02f);
 }
 
 TEST(ShadowMap, IsDrawnOnlyWhenSomethingAsksForIt) {

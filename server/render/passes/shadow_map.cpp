@@ -73,7 +73,7 @@ ShadowMapPass::ShadowMapPass(gpu::Device& device)
       compute_(device, RasterTarget::shadow_map) {}
 
 void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun,
-                        const accel::OrderBlock& world, const gpu::Buffer* filter) const {
+                        const accel::OrderBlock& world, const ShadowCasters& only) const {
   View& view = pass.view;
   const ViewSettings& settings = view.settings();
   shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
@@ -86,12 +86,12 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
                                {pass.instances, gpu::use::compute_read},
                                {&view.shadow_draws, DrawLists::kWrite},
                                {&view.shadow_constants, gpu::use::transfer_write}};
-  if (filter) accesses.push_back({pass.hits, gpu::use::compute_read});
+  if (only.table) accesses.push_back({only.written_with, gpu::use::compute_read});
   pass.graph.add("shadow_cull", pass.owner, std::move(accesses),
-                 [&view, raster, map, volumes, filter](gpu::Commands& commands) {
+                 [&view, raster, map, volumes, table = only.table](gpu::Commands& commands) {
                    commands.upload<shared::ShadowMap>(view.shadow_constants, 0, std::span(&map, 1));
                    view.shadow_draws.cull(commands, raster.culling, raster.scene, raster.table, raster.instances,
-                                          volumes, filter ? filter->address() : 0);
+                                          volumes, table ? table->address() : 0);
                  });
 
   const bool any_masks = raster.effects.has(effects::Effect::alpha_masks);

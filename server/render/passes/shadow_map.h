@@ -17,13 +17,17 @@ inline bool usesShadowMap(const ViewSettings& settings, effects::EffectSet effec
 shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& to_sun, const accel::OrderBlock& world,
                                  uint32_t tile);
 
+/// Whom a shadow map draws.
+struct ShadowCasters {
+  const gpu::Buffer* table = nullptr;  ///< uint, by slot: 0 where the map need not have the instance; null: all
+  Resource written_with = nullptr;     ///< what stands for the table in the graph
+};
+
 class ShadowMapPass {
  public:
   explicit ShadowMapPass(gpu::Device& device);
-  /// `filter`: a word a slot, 0 where rays meet the instance and the map need not have it, which `pass.hits` stands for
-  /// in the graph; null: all are drawn.
   void add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun, const accel::OrderBlock& world,
-           const gpu::Buffer* filter = nullptr) const;
+           const ShadowCasters& only) const;
 
  private:
   void draw(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const;
