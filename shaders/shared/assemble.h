@@ -26,15 +26,15 @@ struct CullVolume {
 struct AssembleConstants {
   uint64_t order;  // uint: slots in Morton order
   uint64_t instances;
-  uint64_t meshes;   // MeshRecord, of what rays meet
-  uint64_t needs;    // uint, as the mesh table: how much its BLAS is needed; 0: nobody asks
-  uint64_t output_;  // TlasInstance
-  uint64_t blocks;   // uint: blocks of `order` that are looked at; 0: all
-  uint64_t volumes;  // CullVolume: who touches none stays out; 0: all enter
-  uint64_t spheres;  // vec4 a mesh: centre and radius of its bounds
+  uint64_t meshes;    // MeshRecord, of what rays meet
+  uint64_t needs;     // uint, as the mesh table: how much its BLAS is needed; 0: nobody asks
+  uint64_t output_;   // TlasInstance
+  uint64_t blocks;    // uint: blocks of `order` that are looked at; 0: all
+  uint64_t volumes;   // CullVolume: who touches none stays out; 0: all enter
+  uint64_t spheres;   // vec4 a mesh: centre and radius of its bounds
   uint64_t entered;   // uint: counts who entered
   uint64_t untraced;  // uint, by slot: becomes 0 where rays meet the instance
-  uint count;        // entries of `order`
+  uint count;         // entries of `order`
   uint block_count;
   uint volume_count;
   uint capacity;  // entries of `output_`: what lies behind the blocks becomes null

@@ -14,7 +14,8 @@ HELIO_CONSTANT kPlaceShift = 28u;
 // Of a stratum. Its random numbers are those of its pixel in the tick before.
 struct GradientSample {
   uvec2 hit;  // packHit(), with the level that the mesh had
-  uint mesh;  // of the instance: one that is another by now is not looked at; and the pixel's place in the stratum. kNothing: no sample
+  uint mesh;  // of the instance: one that is another by now is not looked at; and the pixel's place in the stratum.
+              // kNothing: no sample
   vec2 barycentrics;
   uint luminance;  // 16-bit floats: diffuse, specular; times the unit
 };
@@ -22,9 +23,10 @@ struct GradientSample {
 // The a-trous filter of gradients: its iterations, strides 1, 2, 4, 8, 16.
 HELIO_CONSTANT kGradientIterations = 5u;
 
-// What gradients need while they are filtered stands in the second image of light, which is free then: side by side, a texel a
-// stratum.
-HELIO_CONSTANT kGradientsHere = 0u;     // packHalf4(): diffuse and specular, each the change and the larger of two luminances
+// What gradients need while they are filtered stands in the second image of light, which is free then: side by side, a
+// texel a stratum.
+HELIO_CONSTANT kGradientsHere =
+    0u;  // packHalf4(): diffuse and specular, each the change and the larger of two luminances
 HELIO_CONSTANT kGradientsThere = 1u;    // the filter goes to and fro
 HELIO_CONSTANT kGradientSurfaces = 2u;  // the surface in the stratum's middle
 

@@ -9,12 +9,12 @@ HELIO_CONSTANT kTriangleGroup = 128u;  // threads, each with a triangle
 HELIO_CONSTANT kTileGroup = 64u;       // threads that share a tile of a large triangle
 HELIO_CONSTANT kTileGroups = 8192u;    // groups, which take turns
 HELIO_CONSTANT kTileBits = 6u;         // 64 x 64 pixels
-// Room for the tiles of a pass, all volumes together: a tile for so many pixels, or texels of a shadow map. 2048 large triangles may
-// touch each square of 64 x 64 pixels; what has no room is drawn by a single thread.
+// Room for the tiles of a pass, all volumes together: a tile for so many pixels, or texels of a shadow map. 2048 large
+// triangles may touch each square of 64 x 64 pixels; what has no room is drawn by a single thread.
 HELIO_CONSTANT kPixelsATile = 2u;
 HELIO_CONSTANT kShadowTexelsATile = 16u;
-HELIO_CONSTANT kSmallTriangle = 64u;   // pixels of its bounds that a thread draws by itself
-HELIO_CONSTANT kSubpixelBits = 8u;     // of a corner's place on the screen
+HELIO_CONSTANT kSmallTriangle = 64u;  // pixels of its bounds that a thread draws by itself
+HELIO_CONSTANT kSubpixelBits = 8u;    // of a corner's place on the screen
 
 // Who was drawn: the place of the triangle among all of the volume's, commands one behind the other, and this bit for
 // those that ask a mask.

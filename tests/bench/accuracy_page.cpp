@@ -192,7 +192,8 @@ std::string toHtml(const AccuracyReport& report) {
       " bounces, whose own noise is a relative MSE of " + shown(report.reference_noise) + ".</p><p class=about>" +
       escaped(report.provenance.device.name + " (" + report.provenance.device.driver + "), " + report.provenance.date +
               ", " + report.provenance.build) +
-      "<br><code>" + escaped(report.provenance.command) + "</code></p><p class=about><a download=accuracy.csv href='data:text/csv;base64," +
+      "<br><code>" + escaped(report.provenance.command) +
+      "</code></p><p class=about><a download=accuracy.csv href='data:text/csv;base64," +
       absl::Base64Escape(toCsv(report)) + "'>All figures as CSV</a></p>" + paretoPlot(report);
   for (size_t i = 0; i < report.points.size();) {
     size_t end = i;

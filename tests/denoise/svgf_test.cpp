@@ -115,7 +115,8 @@ INSTANTIATE_TEST_SUITE_P(Denoise, Histories, testing::Values(Denoiser::svgf, Den
                            return p.param == Denoiser::svgf ? "svgf" : p.param == Denoiser::asvgf ? "asvgf" : "reblur";
                          });
 
-// A small sun in a mirror behind the camera: one diffuse ray in some ten thousand finds it, and brings thousands of times the light.
+// A small sun in a mirror behind the camera: one diffuse ray in some ten thousand finds it, and brings thousands of
+// times the light.
 TEST_P(Histories, FirefliesDoNotStayInThem) {
   SceneBuilder b;
   b.place(b.prefab("ground", quad(40.0f), b.material(lambert(glm::vec3(0.6f)))));
@@ -126,7 +127,9 @@ TEST_P(Histories, FirefliesDoNotStayInThem) {
   const scene::ScenePtr scene = b.build();
   Stage stage(scene), bare(scene);
   float brightest = 0.0f, raw = 0.0f, usual = 0.0f;
-  const auto most = [](const render::Frame& frame) { return *std::max_element(frame.radiance.begin(), frame.radiance.end()); };
+  const auto most = [](const render::Frame& frame) {
+    return *std::max_element(frame.radiance.begin(), frame.radiance.end());
+  };
   const scene::Camera camera = lookAt({-1.0f, 3.0f, 3.0f}, {1.0f, 0, 0});
   for (int tick = 0; tick < 24; ++tick) {
     const render::Frame frame = stage.tick(camera, live(GetParam()));

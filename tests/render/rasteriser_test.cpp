@@ -72,8 +72,8 @@ TEST(Rasteriser, TrianglesBehindTheEyeAreDrawnAsFarAsTheyAreBeforeIt) {
   expectAlike(scene, lookAt({30.0f, 0.02f, 12.0f}, {0.0f, 0.4f, 0.0f}, 0.8f), "on_the_ground", 0.002);
 }
 
-// Twice as many tiles as the list has room for. Stairs that rise towards the camera, each of many layers a millimetre apart: wherever a
-// triangle is missing the layer behind it is seen.
+// Twice as many tiles as the list has room for. Stairs that rise towards the camera, each of many layers a millimetre
+// apart: wherever a triangle is missing the layer behind it is seen.
 TEST(Rasteriser, WhatTheListOfTilesHasNoRoomForIsDrawnToo) {
   constexpr uint32_t kStairs = 48, kLayers = 120;
   constexpr float kLayer = 0.001f, kFov = 0.8f, kSize = 60.0f;

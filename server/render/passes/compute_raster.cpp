@@ -21,8 +21,8 @@ ComputeRaster::ComputeRaster(gpu::Device& device, RasterTarget target) {
 void ComputeRaster::draw(gpu::Commands& commands, const DrawLists& lists, uint32_t volumes, bool any_masks,
                          const gpu::Buffer& tiles, shared::RasterConstants constants) const {
   // Each volume has its share of the tiles, so that all of them are drawn at once.
-  constants.tile_capacity = static_cast<uint32_t>((tiles.size() / volumes - sizeof(shared::RasterTileCount)) /
-                                                  sizeof(shared::RasterTile));
+  constants.tile_capacity =
+      static_cast<uint32_t>((tiles.size() / volumes - sizeof(shared::RasterTileCount)) / sizeof(shared::RasterTile));
   const uint64_t share =
       sizeof(shared::RasterTileCount) + uint64_t{constants.tile_capacity} * sizeof(shared::RasterTile);
   for (uint32_t v = 0; v < volumes; ++v)

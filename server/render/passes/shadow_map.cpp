@@ -6,10 +6,10 @@
 namespace helio::render {
 namespace {
 
-constexpr float kNearest = 24.0f;   // metres: half the side of the first cascade
-constexpr float kAhead = 0.6f;      // of that, from the camera to its centre
-constexpr float kTexelsOff = 3.0f;   // that a level of detail may differ from the finest
-constexpr float kLeastTexels = 1.0f;  // what is smaller is left out; with 3, young forests had no shadows from above
+constexpr float kNearest = 24.0f;                            // metres: half the side of the first cascade
+constexpr float kAhead = 0.6f;                               // of that, from the camera to its centre
+constexpr float kTexelsOff = 3.0f;                           // that a level of detail may differ from the finest
+constexpr float kLeastTexels = 1.0f;                         // what is smaller is left out
 constexpr float kFinerTexels = 4.0f, kCoarserTexels = 3.0f;  // of the lookups' edge, lift and filter
 constexpr uint32_t kTilesPerRow = shared::kShadowTilesPerRow;
 
