@@ -99,6 +99,11 @@ std::optional<Header> parse(const std::vector<uint8_t>& bytes) {
   return header;
 }
 
+constexpr uint64_t kSectorBytes = 512;  // what a disk writes whole, at least
+/// The number of pages, which marks a commit, and the salts, which tell generations apart, may lie in two sectors: then
+/// a crash may leave an older frame's mark beside the new one's salts.
+bool markMayBeOlder(uint64_t frame) { return (frame + 4) / kSectorBytes != (frame + 8) / kSectorBytes; }
+
 constexpr uint64_t kUsualPageBytes = 4096;  // SQLite's own choice, which the log leaves alone
 
 }  // namespace
@@ -139,17 +144,21 @@ Result<WalTail> inspectWal(const std::string& path, const char* vfs) {
   uint64_t trusted_end = kHeaderBytes;  // of the last commit
   uint64_t end = kHeaderBytes;          // of the last frame of this generation
   bool unit_ended = false;              // behind a frame that is not trusted, a commit was seen
+  Checksum before;                      // as the frame before this one has it
+  before.big_endian = header->checksum.big_endian;
   uint64_t at = kHeaderBytes;
   for (; at + frame_bytes <= size; at += frame_bytes) {
     if (!file.read(at, frame)) return unreadable;
     const bool this_generation = std::equal(header->salts.begin(), header->salts.end(), &frame[8]);
-    const bool commits = bigEndian(&frame[4]) != 0;
-    if (trusted) {
-      Checksum& checksum = header->checksum;
-      checksum.add(frame.data(), 8);
-      checksum.add(&frame[kFrameHeaderBytes], header->page_bytes);
-      trusted = this_generation && checksum.matches(&frame[16]);
-    }
+    Checksum checksum = trusted ? header->checksum : before;
+    checksum.add(frame.data(), 8);
+    checksum.add(&frame[kFrameHeaderBytes], header->page_bytes);
+    const bool whole = checksum.matches(&frame[16]);  // by what is before it
+    trusted = trusted && this_generation && whole;
+    if (trusted) header->checksum = checksum;
+    before.s0 = bigEndian(&frame[16]);
+    before.s1 = bigEndian(&frame[20]);
+    const bool commits = bigEndian(&frame[4]) != 0 && (whole || !markMayBeOlder(at));
     if (trusted && commits) {
       ++tail.commits;
       trusted_end = at + frame_bytes;

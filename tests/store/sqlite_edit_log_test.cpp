@@ -138,6 +138,38 @@ TEST(SqliteEditLog, TwoCrashesInARowAreNotDamage) {
   EXPECT_EQ(log->read("w", 0, 100)->size(), 0u);
 }
 
+// A frame's header begins 8 bytes before a sector does: the sector with the mark of a commit is an older frame's, the
+// one with the salts is new.
+TEST(SqliteEditLog, AnOlderCommitsMarkInATornFrameIsNoDamage) {
+  constexpr uint64_t kHeader = 32, kFrame = 24 + 4096, kSector = 512;
+  const Folder first, second;
+  uint64_t begin = 0;
+  {
+    const auto log = mustOpen(first);
+    const auto epoch = log->acquire("w");
+    begin = inspectWal(first / "edits.db-wal", nullptr)->trusted_bytes;
+    Record long_one = record(1);
+    long_one.bytes.assign(600'000, 'x');  // of many pages
+    ASSERT_EQ(log->append("w", *epoch, long_one), Append::ok);
+    for (const char* name : {"edits.db", "edits.db-wal"}) fs::copy_file(first / name, second / name);
+  }
+  loseABeginning(second, begin);
+  const uint64_t size = fs::file_size(second / "edits.db-wal");
+  int torn = 0;
+  std::fstream wal(second / "edits.db-wal", std::ios::in | std::ios::out | std::ios::binary);
+  for (uint64_t frame = kHeader; frame + 2 * kFrame <= size; frame += kFrame) {
+    if (frame < begin || frame % kSector != kSector - 8) continue;
+    wal.seekp(static_cast<std::streamoff>(frame));
+    wal.write("\0\0\0\5\0\0\0\7", 8);  // page 5, and a commit of 7 pages
+    ++torn;
+  }
+  wal.close();
+  ASSERT_GT(torn, 0);
+  const auto log = mustOpen(second);
+  ASSERT_TRUE(log->acquire("w").ok());
+  EXPECT_EQ(log->read("w", 0, 100)->size(), 0u);
+}
+
 TEST(SqliteEditLog, DamageInTheWriteAheadLogIsNotTakenForItsEnd) {
   const Folder folder;
   writeAndCrash(folder, 20);
