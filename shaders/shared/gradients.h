@@ -9,7 +9,7 @@ HELIO_SHARED_BEGIN
 
 HELIO_CONSTANT kStratum = 3u;  // pixels along a side
 
-HELIO_CONSTANT kPlaceShift = 28u;
+HELIO_CONSTANT kPlaceShift = 28u;  // of the pixel's place in its stratum, row by row
 
 // Of a stratum. Its random numbers are those of its pixel in the tick before.
 struct GradientSample {
@@ -24,9 +24,8 @@ struct GradientSample {
 HELIO_CONSTANT kGradientIterations = 5u;
 
 // What gradients need while they are filtered stands in the second image of light, which is free then: side by side, a
-// texel a stratum.
-HELIO_CONSTANT kGradientsHere =
-    0u;  // packHalf4(): diffuse and specular, each the change and the larger of two luminances
+// texel a stratum. Gradients are packHalf4(): diffuse and specular, each the change and the larger of two luminances.
+HELIO_CONSTANT kGradientsHere = 0u;
 HELIO_CONSTANT kGradientsThere = 1u;    // the filter goes to and fro
 HELIO_CONSTANT kGradientSurfaces = 2u;  // the surface in the stratum's middle
 

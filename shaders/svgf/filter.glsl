@@ -17,10 +17,10 @@ layout(push_constant, scalar) uniform Filter { FilterConstants filter_; };
 // samples of kFaint by itself, which are cut from here on only; over an albedo.
 const float kMostOverSurroundings = 8.0, kLeastFirefly = 0.05;
 const float kEnoughOthers = 0.5;  // weight of what is around, to judge by it
-const float kTicksOfMeans = 4.0;
+const float kEnoughTicks = 4.0;   // means of fewer are young
 // Luminance that a mean over ticks may have; `around`: what is around it has.
 float mostLuminance(float around, float ticks) {
-  return max(kMostOverSurroundings * max(kTicksOfMeans / max(ticks, 1.0), 1.0) * around, kLeastFirefly);
+  return max(kMostOverSurroundings * max(kEnoughTicks / max(ticks, 1.0), 1.0) * around, kLeastFirefly);
 }
 
 // What is two pixels off, by weight; and the brightest of it, whatever its weight.

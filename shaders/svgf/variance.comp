@@ -9,7 +9,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 // The next tick goes on from the mean, before anything filters it.
 layout(constant_id = 0) const bool kKeepsMean = false;
 
-const float kEnoughTicks = 4.0;
 const int kRadius = 3;
 
 // Mean light and standard deviation of its luminance over the neighbours and the pixel's own.
@@ -49,7 +48,7 @@ void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, SurfaceTexel here
     const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
     addTo(around, vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y))), w);
   }
-  cutFireflies(light, around, kTicksOfMeans);
+  cutFireflies(light, around, kEnoughTicks);
 }
 
 void main() {
