@@ -139,7 +139,8 @@ void Lipac::readCommands() {
     // Those that wanted in then, and those whose states have called for it since.
     const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
                             status.states[shared::kStateActive];
-    entries_known_ = status.boxes + std::max(status.wanted, called);
+    room_known_.surfaces = std::max(status.wanted, called);
+    room_known_.boxes = status.boxes + room_known_.surfaces;
     const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
     for (uint32_t i = 0; i < std::min(status.commands, command_capacity_); ++i) {
       if (commands[i].slot & shared::kCommandRemove) granted_.erase(commands[i].slot & ~shared::kCommandRemove);
@@ -224,10 +225,12 @@ void Lipac::serve(const OwnBlases& blases, const Units& units) {
   }
 }
 
-uint32_t Lipac::wantedEntries(uint32_t instances) const {
-  const uint32_t known = entries_known_ ? entries_known_ : std::min(instances, std::max(kFirstGuess, instances / 16));
+TlasRoom Lipac::wantedRoom(uint32_t instances) const {
+  const uint32_t guess = std::min(instances, std::max(kFirstGuess, instances / 16));
+  const TlasRoom known = room_known_.boxes ? room_known_ : TlasRoom{guess, guess};
   const auto appearing = static_cast<uint32_t>(appearance_.blocks().size()) * shared::kOrderBlock;
-  return known + std::min(instances, appearing);
+  const uint32_t more = std::min(instances, appearing);
+  return {known.surfaces + more, known.boxes + more};
 }
 
 void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
@@ -353,10 +356,12 @@ void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeli
   commands.dispatch(groups(threads));
 }
 
-void Lipac::assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t capacity) {
+void Lipac::assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& boxes) {
   const auto wait = [&] { commands.barrier(gpu::use::compute_write, gpu::use::compute_write); };
-  tick_.output_ = output;
-  tick_.capacity = capacity;
+  tick_.output_ = surfaces.instances;
+  tick_.capacity = surfaces.capacity;
+  tick_.boxes = boxes.instances;
+  tick_.box_capacity = boxes.capacity;
   commands.upload<shared::LipacTick>(tick_buffer_, 0, std::span(&tick_, 1));
   commands.barrier(gpu::use::transfer_write, gpu::use::compute_write);
   dispatch(commands, reset_, grid_.cells());
@@ -381,7 +386,7 @@ void Lipac::assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t c
   commands.dispatch(1);
   wait();
   dispatch(commands, emit_, tick_.count);
-  dispatch(commands, emit_boxes_, std::max(grid_.cells(), capacity));
+  dispatch(commands, emit_boxes_, std::max({grid_.cells(), surfaces.capacity, boxes.capacity}));
 }
 
 void Lipac::feedback(gpu::Commands& commands, bool counted) {
@@ -407,7 +412,7 @@ void Lipac::forget() {
   asked_.clear();
   patches_.clear();
   appearance_.forget();
-  entries_known_ = 0;
+  room_known_ = {};
   for (Returned& returned : returned_) returned.written = false;
 }
 

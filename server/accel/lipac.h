@@ -57,13 +57,13 @@ class Lipac {
   void removeViewer(uint64_t viewer) { appearance_.remove(viewer); }
   /// After OwnBlases::plan(): grants what has a BLAS now. The rest is asked for again by the GPU.
   void serve(const OwnBlases& blases, const Units& units);
-  /// Entries that the TLAS needs room for, as far as is known.
-  uint32_t wantedEntries(uint32_t instances) const;
+  /// Entries that the TLASes need room for, as far as is known.
+  TlasRoom wantedRoom(uint32_t instances) const;
 
   /// Records the copies of what the passes below read (transfer writes).
   void upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);
-  /// Compute: applies what was granted, then writes the TLAS instances into `output`, which has room for `capacity`.
-  void assemble(gpu::Commands& commands, VkDeviceAddress output, uint32_t capacity);
+  /// Compute: applies what was granted, then writes the TLAS instances of surfaces and those of boxes.
+  void assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& boxes);
   /// Compute: weighs this tick's hits and changes states. `counted` false: not every viewer has counted yet, so states
   /// stay and counters go on. Ends with the copy that begin() reads.
   void feedback(gpu::Commands& commands, bool counted);
@@ -117,7 +117,7 @@ class Lipac {
   shared::LipacTick tick_{};
   uint32_t ticks_ = 0;
   uint32_t resting_ = 0;        // ticks in a row in which nothing moved
-  uint32_t entries_known_ = 0;  // that were wanted kDelay ticks ago; 0: not known
+  TlasRoom room_known_;  // that was wanted kDelay ticks ago; 0: not known
   std::set<uint32_t> granted_;
   std::vector<shared::LipacCommand> asked_;  // this tick's, most hits first
   Appearance appearance_;

@@ -12,6 +12,8 @@ static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInst
 /// Ticks for which a smaller bucket must do before a little is given back; much is given back at once.
 constexpr uint32_t kPatience = 20;
 
+constexpr const char* kSurfaces = "the TLAS instances";
+
 /// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
   uint32_t step = 64;
@@ -54,7 +56,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   }
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
-  reserve(commands, count);
+  reserve(commands, surfaces_, kSurfaces, count);
   if (const uint64_t bytes = bucketAbove(static_cast<uint32_t>(table.records().size())) * sizeof(uint32_t);
       untraced_.size() < bytes) {
     if (untraced_) commands.retire(std::move(untraced_));
@@ -63,20 +65,25 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   commands.fill(untraced_, 1);
 }
 
-void TlasAssembly::reserve(gpu::Commands& commands, uint32_t count) {
+void TlasAssembly::reserve(gpu::Commands& commands, const TlasRoom& room) {
+  reserve(commands, surfaces_, kSurfaces, room.surfaces);
+  reserve(commands, boxes_, "the TLAS instances of boxes", room.boxes);
+}
+
+void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count) {
   const uint32_t capacity = bucketAbove(count + count / 8);
-  if (count <= capacity_) {
-    roomy_ticks_ = capacity < capacity_ ? roomy_ticks_ + 1 : 0;
-    const bool much = 8 * capacity_ > 9 * capacity;
-    if (!much && roomy_ticks_ < kPatience) return;
+  if (count <= part.capacity) {
+    part.roomy_ticks = capacity < part.capacity ? part.roomy_ticks + 1 : 0;
+    const bool much = 8 * part.capacity > 9 * capacity;
+    if (!much && part.roomy_ticks < kPatience) return;
   }
-  roomy_ticks_ = 0;
+  part.roomy_ticks = 0;
   gpu::Buffer instances(
-      device_, {"the TLAS instances", capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
-                gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
-  if (instances_) commands.retire(std::move(instances_));
-  instances_ = std::move(instances);
-  capacity_ = capacity;
+      device_, {name, capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing, gpu::Placement::device,
+                VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
+  if (part.instances) commands.retire(std::move(part.instances));
+  part.instances = std::move(instances);
+  part.capacity = capacity;
 }
 
 void TlasAssembly::upload(gpu::Commands& commands) {
@@ -98,7 +105,7 @@ void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table,
   constants.instances = table.recordBuffer().address();
   constants.meshes = blases.table();
   constants.needs = blases.needs();
-  constants.output_ = instances_.address();
+  constants.output_ = surfaces_.instances.address();
   constants.blocks = all_blocks_ ? 0 : chosen_buffer_.address();
   constants.volumes = culls_ ? volume_buffer_.address() : 0;
   constants.spheres = spheres_.address();
@@ -107,16 +114,18 @@ void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table,
   constants.count = static_cast<uint32_t>(table.order().size());
   constants.block_count = static_cast<uint32_t>(chosen_.size());
   constants.volume_count = static_cast<uint32_t>(volumes_.size());
-  constants.capacity = capacity_;
+  constants.capacity = surfaces_.capacity;
   commands.bind(pipeline_);
   commands.push(constants);
-  commands.dispatch((capacity_ + shared::kOrderBlock - 1) / shared::kOrderBlock);
+  commands.dispatch((surfaces_.capacity + shared::kOrderBlock - 1) / shared::kOrderBlock);
 }
 
-void TlasAssembly::build(gpu::Commands& commands) {
+void TlasAssembly::build(gpu::Commands& commands, bool with_boxes) {
   commands.copy(counter_, counter_readback_, sizeof(uint32_t));
   commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
-  tlas_.build(commands, instances_.address(), capacity_);
+  const gpu::TlasInput inputs[] = {{&surfaces_.tlas, surfaces_.instances.address(), surfaces_.capacity},
+                                   {&boxes_.tlas, with_boxes ? boxes_.instances.address() : 0, boxes_.capacity}};
+  gpu::buildTlases(commands, std::span(inputs, with_boxes ? 2 : 1));
 }
 
 uint32_t TlasAssembly::entered() const {

@@ -1,4 +1,5 @@
-// The TLAS of a world: instances written on the GPU in Morton order, then built.
+// The TLAS of a world, and that of the boxes which stand for what is not in it: instances written on the GPU in Morton
+// order, then built.
 #pragma once
 
 #include "accel/instance_table.h"
@@ -9,6 +10,16 @@
 
 namespace helio::accel {
 
+/// Instances that a TLAS is built from.
+struct TlasTable {
+  VkDeviceAddress instances = 0;  ///< TlasInstance
+  uint32_t capacity = 0;
+};
+/// Instances that want a place in each TLAS.
+struct TlasRoom {
+  uint32_t surfaces = 0, boxes = 0;
+};
+
 class TlasAssembly {
  public:
   /// `mesh_bounds`: by mesh of the scene.
@@ -18,36 +29,49 @@ class TlasAssembly {
   /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
   /// Gives back what edits leave over, once they have been over for a while.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
-  /// The same for so many entries, which somebody else writes to output(), and who is untraced to a table of its own.
-  void reserve(gpu::Commands& commands, uint32_t count);
-  VkDeviceAddress output() const { return instances_.address(); }
+  /// The same for so many entries, which somebody else writes to surfaces() and boxes(), and who is untraced to a table of
+  /// its own.
+  void reserve(gpu::Commands& commands, const TlasRoom& room);
+  TlasTable surfaces() const { return surfaces_.table(); }
+  TlasTable boxes() const { return boxes_.table(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
   void upload(gpu::Commands& commands);
-  /// Compute: writes `capacity()` TLAS instances from the table, in its order, and notes which BLASes they need.
+  /// Compute: writes surfaces() from the table, in its order, and notes which BLASes they need.
   void assemble(gpu::Commands& commands, const InstanceTable& table, const SharedBlases& blases);
-  /// Builds the structure from what was assembled, and reads back how many entered.
-  void build(gpu::Commands& commands);
+  /// Builds the structures from what was assembled, `with_boxes` both of them, and reads back how many entered.
+  void build(gpu::Commands& commands, bool with_boxes);
 
-  VkDeviceAddress address() const { return tlas_.address(); }
+  VkDeviceAddress address() const { return surfaces_.tlas.address(); }
+  VkDeviceAddress boxAddress() const { return boxes_.tlas.address(); }  ///< 0: none was ever built
+  /// Nobody asks for boxes any more. No submitted work uses them.
+  void dropBoxes() { boxes_ = {}; }
   /// By slot: 0 where rays meet the instance, as the last assemble() had it.
   const gpu::Buffer& untraced() const { return untraced_; }
-  uint32_t capacity() const { return capacity_; }
   /// Of the last build that is done.
   uint32_t entered() const;
-  uint64_t bytes() const { return tlas_.bytes() + instances_.size() + untraced_.size(); }
-  uint64_t scratchBytes() const { return tlas_.scratchBytes(); }
+  uint64_t bytes() const { return surfaces_.bytes() + boxes_.bytes() + untraced_.size(); }
+  uint64_t scratchBytes() const { return surfaces_.tlas.scratchBytes() + boxes_.tlas.scratchBytes(); }
 
  private:
+  struct Part {
+    gpu::Buffer instances;
+    gpu::Tlas tlas;
+    uint32_t capacity = 0;
+    uint32_t roomy_ticks = 0;  // for which a smaller capacity would have done
+
+    TlasTable table() const { return {instances ? instances.address() : 0, capacity}; }
+    uint64_t bytes() const { return instances.size() + tlas.bytes(); }
+  };
+  void reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count);
+
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
-  gpu::Buffer spheres_, instances_, chosen_buffer_, volume_buffer_, counter_, counter_readback_, untraced_;
-  gpu::Tlas tlas_;
+  gpu::Buffer spheres_, chosen_buffer_, volume_buffer_, counter_, counter_readback_, untraced_;
+  Part surfaces_, boxes_;
   std::vector<uint32_t> chosen_;  // blocks, ascending
   bool all_blocks_ = true;
   std::vector<shared::CullVolume> volumes_;
   bool culls_ = false;
-  uint32_t capacity_ = 0;
-  uint32_t roomy_ticks_ = 0;  // for which a smaller capacity would have done
 };
 
 }  // namespace helio::accel

@@ -155,32 +155,44 @@ std::vector<AccelerationStructure> buildBlases(Commands& commands, std::span<con
   return structures;
 }
 
-void Tlas::build(Commands& commands, VkDeviceAddress instances, uint32_t count) {
+void buildTlases(Commands& commands, std::span<const TlasInput> inputs) {
   Device& device = commands.device();
-  VkAccelerationStructureGeometryKHR geometry{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
-  geometry.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
-  geometry.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
-  geometry.geometry.instances.data.deviceAddress = instances;
-  VkAccelerationStructureBuildGeometryInfoKHR build{VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
-  build.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
-  // It is built in every tick that changes something; on the H200 it even traces as fast (tests/bench/README.md).
-  build.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR;
-  build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
-  build.geometryCount = 1;
-  build.pGeometries = &geometry;
-  if (!structure_ || count != capacity_) {
-    const auto size = sizes(device, build, &count);
-    AccelerationStructure structure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
-                                    size.accelerationStructureSize);
-    scratch_ = Buffer(device, {"the scratch memory of the TLAS", size.buildScratchSize, MemoryCategory::ray_tracing});
-    structure_ = std::move(structure);
-    capacity_ = count;
+  std::vector<VkAccelerationStructureGeometryKHR> geometries(inputs.size());
+  std::vector<VkAccelerationStructureBuildGeometryInfoKHR> builds(inputs.size());
+  std::vector<VkAccelerationStructureBuildRangeInfoKHR> ranges(inputs.size());
+  std::vector<const VkAccelerationStructureBuildRangeInfoKHR*> range_of(inputs.size());
+  for (size_t i = 0; i < inputs.size(); ++i) {
+    const TlasInput& input = inputs[i];
+    VkAccelerationStructureGeometryKHR& geometry = geometries[i];
+    geometry = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_KHR};
+    geometry.geometryType = VK_GEOMETRY_TYPE_INSTANCES_KHR;
+    geometry.geometry.instances = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_GEOMETRY_INSTANCES_DATA_KHR};
+    geometry.geometry.instances.data.deviceAddress = input.instances;
+    VkAccelerationStructureBuildGeometryInfoKHR& build = builds[i];
+    build = {VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_BUILD_GEOMETRY_INFO_KHR};
+    build.type = VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR;
+    // It is built in every tick that changes something; on the H200 it even traces as fast (tests/bench/README.md).
+    build.flags = VK_BUILD_ACCELERATION_STRUCTURE_PREFER_FAST_BUILD_BIT_KHR;
+    build.mode = VK_BUILD_ACCELERATION_STRUCTURE_MODE_BUILD_KHR;
+    build.geometryCount = 1;
+    build.pGeometries = &geometry;
+    Tlas& tlas = *input.tlas;
+    if (!tlas.structure_ || input.count != tlas.capacity_) {
+      const auto size = sizes(device, build, &input.count);
+      AccelerationStructure structure(device, "the TLAS", VK_ACCELERATION_STRUCTURE_TYPE_TOP_LEVEL_KHR,
+                                      size.accelerationStructureSize);
+      tlas.scratch_ =
+          Buffer(device, {"the scratch memory of the TLAS", size.buildScratchSize, MemoryCategory::ray_tracing});
+      tlas.structure_ = std::move(structure);
+      tlas.capacity_ = input.count;
+    }
+    build.dstAccelerationStructure = tlas.structure_.handle();
+    build.scratchData.deviceAddress = tlas.scratch_.address();
+    ranges[i] = {input.count, 0, 0, 0};
+    range_of[i] = &ranges[i];
   }
-  build.dstAccelerationStructure = structure_.handle();
-  build.scratchData.deviceAddress = scratch_.address();
-  const VkAccelerationStructureBuildRangeInfoKHR range{count, 0, 0, 0};
-  const VkAccelerationStructureBuildRangeInfoKHR* ranges = &range;
-  vkCmdBuildAccelerationStructuresKHR(commands.handle(), 1, &build, &ranges);
+  vkCmdBuildAccelerationStructuresKHR(commands.handle(), static_cast<uint32_t>(builds.size()), builds.data(),
+                                      range_of.data());
 }
 
 }  // namespace helio::gpu

@@ -90,16 +90,25 @@ uint64_t scratchFor(Device& device, std::span<const uint64_t> scratch_sizes);
 /// The top level, rebuilt each time from an array of VkAccelerationStructureInstanceKHR on the GPU.
 class Tlas {
  public:
-  /// Makes storage and scratch fit `count` instances if need be (no submitted work uses them), then records the build.
-  void build(Commands& commands, VkDeviceAddress instances, uint32_t count);
   VkDeviceAddress address() const { return structure_.address(); }
   uint64_t bytes() const { return structure_.size(); }
   uint64_t scratchBytes() const { return scratch_ ? scratch_.size() : 0; }
 
  private:
+  friend void buildTlases(Commands& commands, std::span<const struct TlasInput> inputs);
+
   AccelerationStructure structure_;
   Buffer scratch_;
   uint32_t capacity_ = 0;
 };
+
+struct TlasInput {
+  Tlas* tlas;
+  VkDeviceAddress instances;  ///< VkAccelerationStructureInstanceKHR
+  uint32_t count;
+};
+/// Makes storage and scratch fit the instances if need be (no submitted work uses them), then records all builds in one
+/// call, so that they run beside each other.
+void buildTlases(Commands& commands, std::span<const TlasInput> inputs);
 
 }  // namespace helio::gpu

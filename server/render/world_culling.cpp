@@ -10,6 +10,7 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   const std::lock_guard lock(mutex_);
   reassemble_ = true;
   lipac_.reset();
+  tlas_.dropBoxes();
   cast_by_map_ = false;
   build_budget_ = {settings.builds, settings.build_triangles};
   shared_blases_.set(settings.shared_blases);
@@ -84,7 +85,7 @@ Result<std::vector<CulledInstance>> WorldRenderer::culledInstances() {
 
 void WorldRenderer::uploadCulling(gpu::Commands& commands) {
   const auto count = static_cast<uint32_t>(instances_.order().size());
-  tlas_.reserve(commands, lipac_->wantedEntries(count));
+  tlas_.reserve(commands, lipac_->wantedRoom(count));
   lipac_->upload(commands,
                  {instances_.orderBuffer().address(), instances_.recordBuffer().address(), shared_blases_.table(),
                   shared_blases_.needs(), count, static_cast<uint32_t>(instances_.records().size()), rests_},
@@ -104,6 +105,7 @@ void WorldRenderer::describeCounting(shared::FrameConstants& constants, const Vi
   constants.instance_hits = lipac_->hits().address();
   constants.hitboxes = lipac_->hitboxes().address();
   constants.culling = lipac_->tickConstants();
+  constants.boxes = tlas_.boxAddress();
   constants.hit_stride = 1;
   if (!view.counts_hits) return;
   const ViewSettings& settings = view.settings();

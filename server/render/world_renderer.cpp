@@ -266,7 +266,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
        {&lipac_, gpu::use::compute_write},
        {&tlas_, gpu::use::compute_write}},
       [this](gpu::Commands& commands) {
-        if (guided_) lipac_->assemble(commands, tlas_.output(), tlas_.capacity());
+        if (guided_) lipac_->assemble(commands, tlas_.surfaces(), tlas_.boxes());
         else tlas_.assemble(commands, instances_, shared_blases_);
       },
       gpu::Queue::async);
@@ -278,7 +278,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
        {&tlas_, gpu::use::build_read},
        {&tlas_, gpu::use::build_write}},
       [this](gpu::Commands& commands) {
-        tlas_.build(commands);
+        tlas_.build(commands, guided_);
         if (!guided_) shared_blases_.readBack(commands);
       },
       gpu::Queue::async);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Writes the TLAS instances of hitboxes behind those of instances, in Morton order, and null references behind both.
+// Writes the TLAS instances of hitboxes behind those of instances, in Morton order, and null references behind all.
 #include "lib/lipac_instance.glsl"
 
 layout(local_size_x = kLipacGroup) in;
@@ -12,7 +12,7 @@ HELIO_GROUP_RANK(wanted)
 
 void main() {
   const uint index = gl_GlobalInvocationID.x;
-  TlasTable output_ = TlasTable(lipac.output_);
+  TlasTable boxes = TlasTable(lipac.boxes);
   Hitbox hitbox;
   bool box = false;
   if (index < cellCount()) {
@@ -21,23 +21,20 @@ void main() {
   }
   uint total;
   const uint rank = groupRank_wanted(box, total);
-  TlasInstance result;
   if (box) {
     const uint place = WordTable(lipac.box_sums).items[gl_WorkGroupID.x] + rank;
     const float reach = uintBitsToFloat(WordTable(lipac.reaches).items[index]);
     const float lowest = unordered(hitbox.lowest), height = max(unordered(hitbox.highest) - lowest, 2.0 * kThinnest);
     const float side = float(kCellMetres) + 2.0 * reach;
     const vec2 corner = cellCorner(index) - reach;
+    TlasInstance result;
     result.rows = vec4[3](vec4(side, 0, 0, corner.x), vec4(0, height, 0, lowest), vec4(0, 0, side, corner.y));
     result.custom_index_and_mask = index | kMaskCell << 24;
     result.hit_group_and_flags = kHitGroupCell | lipac.box_flags << 24;
     result.blas = lipac.cube;
-    if (place < lipac.capacity) output_.items[place] = result;
+    if (place < lipac.box_capacity) boxes.items[place] = result;
   }
-  if (index < lipac.capacity && index >= StatusRef(lipac.status).status.entries) {
-    result.rows = vec4[3](vec4(1, 0, 0, 0), vec4(0, 1, 0, 0), vec4(0, 0, 1, 0));
-    result.custom_index_and_mask = result.hit_group_and_flags = 0u;
-    result.blas = 0ul;
-    output_.items[index] = result;
-  }
+  const LipacStatus status = StatusRef(lipac.status).status;
+  if (index < lipac.box_capacity && index >= status.entries) boxes.items[index].blas = 0ul;
+  if (index < lipac.capacity && index >= status.entered) TlasTable(lipac.output_).items[index].blas = 0ul;
 }

@@ -9,7 +9,7 @@ void main() {
   const uint cell = gl_GlobalInvocationID.x;
   if (cell == 0u) {
     StatusRef result = StatusRef(lipac.status);
-    result.status.commands = result.status.boxes = result.status.wanted = result.status.entries = result.status.dropped = 0u;
+    result.status.commands = result.status.boxes = result.status.wanted = result.status.entered = result.status.entries = result.status.dropped = 0u;
     result.status.active_hitboxes = result.status.box_hits = result.status.changes = result.status.cycles = 0u;
     result.status.opened = 0u;
     for (uint i = 0u; i < kRanks; ++i) result.status.ranks[i] = 0u;

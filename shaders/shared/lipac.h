@@ -97,7 +97,8 @@ struct LipacStatus {
   uint boxes;          // cells that want a box in the TLAS
   uint wanted;         // instances and their boxes that want an entry
   uint ranks[kRanks];  // the same, by rank
-  uint entries;        // written to the TLAS, boxes of cells included
+  uint entered;        // those of them that found room
+  uint entries;        // the same, and boxes of cells that found room
   uint dropped;        // found no room
   uint states[kStates];
   uint active_hitboxes;
@@ -122,7 +123,8 @@ struct LipacTick {
   uint64_t reaches;     // uint a cell: metres beyond its sides, as a float's bits
   uint64_t entry_sums;  // uvec2 a group: entries that surely fit, entries that fit if there is room
   uint64_t box_sums;    // uint a group
-  uint64_t output_;     // TlasInstance
+  uint64_t output_;     // TlasInstance: what has a surface
+  uint64_t boxes;       // TlasInstance: boxes of instances and of cells
   uint64_t status;      // LipacStatus
   uint64_t commands;    // LipacCommand
   uint64_t patches;     // LipacPatch
@@ -135,6 +137,7 @@ struct LipacTick {
   uint grid_blocks_z;
   uint count;     // entries of `order`
   uint capacity;  // of `output_`
+  uint box_capacity;  // of `boxes`
   uint command_capacity;
   uint patch_count;
   uint sight_count;

@@ -11,6 +11,8 @@ namespace {
 using namespace shared;
 
 constexpr uint64_t kMeshBlas = 0x1000;
+/// What a table holds before: every place must be written.
+constexpr TlasInstance kGarbage{{}, 0x5a5a5a5a, 0x5a5a5a5a, 0x5a5a5a5a};
 
 /// The cell at (x, z) metres: blocks row by row, cells in Morton order within.
 uint32_t cellAt(const LipacGrid& grid, float x, float z) {
@@ -47,8 +49,9 @@ class LipacAssembly : public LipacFixture {
     std::shuffle(order.begin(), order.end(), random);
   }
 
-  /// What the TLAS gets, with room for `capacity`.
-  std::vector<Entry> expected(const LipacGrid& grid, uint32_t capacity, std::vector<uint32_t>& dropped) const {
+  /// What the TLASes get, by place, with so much room.
+  std::vector<Entry> expected(const LipacGrid& grid, uint32_t capacity, uint32_t box_capacity,
+                              std::vector<uint32_t>& dropped) const {
     struct Candidate {
       uint32_t slot, rank;
       bool box;
@@ -64,7 +67,7 @@ class LipacAssembly : public LipacFixture {
       else boxes[cellAt(grid, records[slot].rows[0].w, records[slot].rows[2].w)] = true;
     }
     const auto box_count = static_cast<uint32_t>(std::count(boxes.begin(), boxes.end(), true));
-    const uint32_t room = capacity - std::min(capacity, box_count);
+    const uint32_t room = std::min(capacity, box_capacity - std::min(box_capacity, box_count));
     // Who has the most hits stays; among equals who comes first.
     std::vector<size_t> by_rank(candidates.size());
     for (size_t i = 0; i < by_rank.size(); ++i) by_rank[i] = i;
@@ -78,34 +81,48 @@ class LipacAssembly : public LipacFixture {
       else dropped.push_back(candidates[i].slot);
     }
     for (uint32_t cell = 0; cell < grid.cells(); ++cell)
-      if (boxes[cell] && entries.size() < capacity) entries.push_back({cell, kMaskCell});
+      if (boxes[cell] && entries.size() < box_capacity) entries.push_back({cell, kMaskCell});
     return entries;
   }
 
   struct Assembled {
-    std::vector<TlasInstance> entries;
+    std::vector<TlasInstance> entries;  // of both TLASes, by place
     std::vector<uint32_t> hits, words, needs;
     LipacGrid grid;
     LipacFigures figures;
     uint64_t cube = 0;
   };
-  Assembled assemble(uint32_t capacity, uint64_t blas = kMeshBlas) {
+  Assembled assemble(uint32_t capacity, uint32_t box_capacity, uint64_t blas = kMeshBlas) {
     Lipac lipac(*device, commands, *cubes(), {});
     const gpu::Buffer order_table = table("order", order), instances = table("instances", records);
     const gpu::Buffer meshes = table("meshes", std::vector<MeshRecord>{{blas, 0, 1, 0, 0}});
     const gpu::Buffer needs = table("needs", std::vector<uint32_t>(1));
-    const gpu::Buffer output = table("output", std::vector<TlasInstance>(capacity));
+    const gpu::Buffer surfaces = table("surfaces", std::vector<TlasInstance>(capacity, kGarbage));
+    const gpu::Buffer boxes = table("boxes", std::vector<TlasInstance>(box_capacity, kGarbage));
     commands.begin();
     lipac.upload(commands,
                  {order_table.address(), instances.address(), meshes.address(), needs.address(), kCount, kCount}, 0);
     barrier();
     commands.upload<uint32_t>(lipac.words(), 0, words);
     barrier();
-    lipac.assemble(commands, output.address(), capacity);
+    lipac.assemble(commands, {surfaces.address(), capacity}, {boxes.address(), box_capacity});
     barrier();
     lipac.feedback(commands, false);
     submit();
-    return {read<TlasInstance>(output, capacity),
+    std::vector<TlasInstance> entries = read<TlasInstance>(surfaces, capacity);
+    std::vector<TlasInstance> box_entries = read<TlasInstance>(boxes, box_capacity);
+    const size_t places = std::max(capacity, box_capacity);
+    entries.resize(places);
+    box_entries.resize(places);
+    for (size_t place = 0; place < places; ++place) {
+      const TlasInstance &surface = entries[place], &box = box_entries[place];
+      EXPECT_TRUE(surface.blas == 0 || box.blas == 0) << place;
+      if (surface.blas != 0) { EXPECT_EQ(surface.custom_index_and_mask >> 24, kMaskSolid) << place; }
+      if (box.blas == 0) continue;
+      EXPECT_NE(box.custom_index_and_mask >> 24, kMaskSolid) << place;
+      entries[place] = box;
+    }
+    return {std::move(entries),
             read<uint32_t>(lipac.hits(), kCount),
             read<uint32_t>(lipac.words(), kCount),
             read<uint32_t>(needs, 1),
@@ -118,10 +135,13 @@ class LipacAssembly : public LipacFixture {
 };
 
 TEST_F(LipacAssembly, CompactsInOrderAndDropsWhoIsHitLeast) {
-  for (const uint32_t capacity : {4000u, 2000u, 700u, 64u}) {
-    const Assembled result = assemble(capacity);
+  const std::pair<uint32_t, uint32_t> rooms[] = {{4000u, 4000u}, {2000u, 2000u}, {700u, 700u},
+                                                 {64u, 64u},     {700u, 4000u},  {4000u, 700u}};
+  for (const auto& [capacity, box_capacity] : rooms) {
+    SCOPED_TRACE(testing::Message() << capacity << " surfaces, " << box_capacity << " boxes");
+    const Assembled result = assemble(capacity, box_capacity);
     std::vector<uint32_t> dropped;
-    const std::vector<Entry> right = expected(result.grid, capacity, dropped);
+    const std::vector<Entry> right = expected(result.grid, capacity, box_capacity, dropped);
     std::vector<Entry> got;
     for (const TlasInstance& entry : result.entries) {
       if (entry.blas == 0) continue;
@@ -133,21 +153,21 @@ TEST_F(LipacAssembly, CompactsInOrderAndDropsWhoIsHitLeast) {
       if (group == kHitGroupSurface) EXPECT_EQ(entry.blas, kMeshBlas);
       else EXPECT_NE(entry.blas, kMeshBlas);
     }
-    EXPECT_EQ(got, right) << capacity;
+    EXPECT_EQ(got, right);
     EXPECT_EQ(result.figures.entries, right.size());
-    for (size_t i = right.size(); i < capacity; ++i) ASSERT_EQ(result.entries[i].blas, 0u) << i;
+    for (size_t i = right.size(); i < result.entries.size(); ++i) ASSERT_EQ(result.entries[i].blas, 0u) << i;
     // Who was dropped knows it.
     std::vector<uint32_t> told;
     for (const uint32_t slot : order)
       if (result.hits[slot] == kHitDropped) told.push_back(slot);
-    EXPECT_EQ(told, dropped) << capacity;
-    if (capacity == 4000u) EXPECT_TRUE(dropped.empty());
+    EXPECT_EQ(told, dropped);
+    if (capacity == 4000u && box_capacity == 4000u) EXPECT_TRUE(dropped.empty());
     else EXPECT_FALSE(dropped.empty());
   }
 }
 
 TEST_F(LipacAssembly, BoxesCoverWhatTheyStandFor) {
-  const Assembled result = assemble(4000);
+  const Assembled result = assemble(4000, 4000);
   const auto covers = [](const TlasInstance& box, const InstanceRecord& instance) {
     for (int axis = 0; axis < 3; ++axis) {
       const float low = box.rows[axis].w, high = low + box.rows[axis][axis];
@@ -176,10 +196,10 @@ TEST_F(LipacAssembly, WhatIsToEnterAsksForTheBlasThatItShares) {
   for (const uint32_t slot : order)
     if (records[slot].mesh != kNoMesh && (slot % 97 == 0 || (words[slot] & 3u) >= kStateRequested))
       most = std::max(most, words[slot] >> kSmoothedShift);
-  EXPECT_EQ(assemble(4000).needs.front(), most + 1);
+  EXPECT_EQ(assemble(4000, 4000).needs.front(), most + 1);
 
   // Without it they wait, with their bounds in their places.
-  const Assembled without = assemble(4000, 0);
+  const Assembled without = assemble(4000, 4000, 0);
   EXPECT_EQ(without.needs.front(), most + 1);
   for (const TlasInstance& entry : without.entries)
     if (entry.blas != 0) { ASSERT_NE(entry.custom_index_and_mask >> 24, kMaskSolid); }

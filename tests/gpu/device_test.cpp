@@ -186,7 +186,8 @@ TEST_F(Gpu, BuildsAnEmptyAndAFullTopLevel) {
   commands.barrier(use::build_write, use::build_read);
   commands.barrier(use::transfer_write, use::build_read);
   Tlas tlas;
-  tlas.build(commands, instance_buffer.address(), 2);
+  const TlasInput input{&tlas, instance_buffer.address(), 2};
+  buildTlases(commands, {&input, 1});
   EXPECT_NE(tlas.address(), 0u);
   commands.submit();
   (void)commands.finish();
