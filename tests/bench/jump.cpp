@@ -19,7 +19,9 @@ constexpr const char* kNotes = R"(What is measured:
   guided culling, in a world where everything moves. --settle ticks later the hits of every instance are read. A
   frame's share is that of those hits that belong to instances which were in the frame's TLAS; what is too large to be
   culled counts on neither side. The error is the frame's relative mean square error against a world without culling
-  that drew the same random numbers. Then the same for a new world whose first tick is that of its first viewer.
+  that drew the same random numbers. Times are of the same ticks once more, one right behind the other and each world by
+  itself: a GPU that waits while pictures are compared slows its clock. Then all of it for a new world whose first tick is
+  that of its first viewer.
 
 Examples:
   helio-bench jump --camera tilted_city --instances 2000 --animated 500 --frames 12 --settle 40
@@ -82,23 +84,23 @@ class Arriving {
     Arrival arrival{jump ? "jump" : "attach", mitigation, 0.0, {}, 0.0, 0};
     render::CullingSettings culling;
     culling.lipac.mitigation = mitigation;
+    const auto full_times = times(render::Culling::full, {}, jump, 0);
+    if (!full_times) return full_times.error();
+    const auto guided_times = times(render::Culling::lipac, culling, jump, options_.settle);
+    if (!guided_times) return guided_times.error();
+    arrival.load_ms = guided_times->load_ms;
+    arrival.settled_ms = guided_times->settled_ms;
+
     const scene::Environment& light = stage_.camera->environment;
     auto full = CulledWorld::open(*stage_.renderer, scene_, light, render::Culling::full);
     if (!full) return full.error();
-    const auto start = std::chrono::steady_clock::now();
     auto guided = CulledWorld::open(*stage_.renderer, scene_, light, render::Culling::lipac, culling);
     if (!guided) return guided.error();
-    arrival.load_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-
     const uint32_t empty = jump ? options_.empty : 0;
     Progress progress(fmt::format("{}, mitigation {}", arrival.name, mitigation ? "on" : "off"),
                       empty + options_.frames + options_.settle);
-    scene::Camera sky = target_;
-    sky.forward = {0.0f, 1.0f, 0.0f};
-    sky.up = {0.0f, 0.0f, 1.0f};
-    for (uint32_t i = 0; i < empty; ++i, progress.step())
-      for (CulledWorld* world : {full->get(), guided->get()})
-        if (auto frame = world->tick(sky, settings_); !frame) return frame.error();
+    for (CulledWorld* world : {full->get(), guided->get()})
+      if (auto looked = lookAtSky(*world, empty); !looked) return looked.error();
 
     std::vector<std::vector<bool>> traced;
     for (uint32_t i = 0; i < options_.frames; ++i, progress.step()) {
@@ -112,9 +114,9 @@ class Arriving {
       for (const render::CulledInstance& instance : *instances) traced.back().push_back(instance.traced);
       const accel::LipacFigures& f = *frame->stats.lipac;
       JumpFrame shown;
-      shown.gpu_ms = frame->stats.gpu_ms;
-      shown.wall_ms = (*guided)->wallMs();
-      shown.full_gpu_ms = truth->stats.gpu_ms;
+      shown.gpu_ms = guided_times->gpu_ms[i];
+      shown.wall_ms = guided_times->wall_ms[i];
+      shown.full_gpu_ms = full_times->gpu_ms[i];
       shown.active = f.active;
       shown.opened = f.opened;
       shown.shown = f.shown;
@@ -130,13 +132,8 @@ class Arriving {
       }
       arrival.frames.push_back(shown);
     }
-    std::vector<double> settled_ms;
-    for (uint32_t i = 0; i < options_.settle; ++i, progress.step()) {
-      auto frame = (*guided)->tick(target_, settings_);
-      if (!frame) return frame.error();
-      if (i >= options_.settle / 2) settled_ms.push_back(frame->stats.gpu_ms);
-    }
-    arrival.settled_ms = median(settled_ms);
+    for (uint32_t i = 0; i < options_.settle; ++i, progress.step())
+      if (auto frame = (*guided)->tick(target_, settings_); !frame) return frame.error();
     const auto settled = (*guided)->instances();
     if (!settled) return settled.error();
     double all = 0.0;
@@ -157,6 +154,42 @@ class Arriving {
   }
 
  private:
+  struct Times {
+    std::vector<double> gpu_ms, wall_ms;  // by frame
+    double load_ms = 0.0;                 // of a new world, until its first tick
+    double settled_ms = 0.0;              // of a frame in the second half of the ticks behind
+  };
+  Result<void> lookAtSky(CulledWorld& world, uint32_t ticks) const {
+    scene::Camera sky = target_;
+    sky.forward = {0.0f, 1.0f, 0.0f};
+    sky.up = {0.0f, 0.0f, 1.0f};
+    for (uint32_t i = 0; i < ticks; ++i)
+      if (auto frame = world.tick(sky, settings_); !frame) return frame.error();
+    return {};
+  }
+  /// Of a world of its own, whose ticks follow each other at once.
+  Result<Times> times(render::Culling kind, const render::CullingSettings& culling, bool jump, uint32_t settle) const {
+    Times times;
+    const auto start = std::chrono::steady_clock::now();
+    auto world = CulledWorld::open(*stage_.renderer, scene_, stage_.camera->environment, kind, culling);
+    if (!world) return world.error();
+    times.load_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    if (auto looked = lookAtSky(**world, jump ? options_.empty : 0); !looked) return looked.error();
+    std::vector<double> settled_ms;
+    for (uint32_t i = 0; i < options_.frames + settle; ++i) {
+      auto frame = (*world)->tick(target_, settings_);
+      if (!frame) return frame.error();
+      if (i < options_.frames) {
+        times.gpu_ms.push_back(frame->stats.gpu_ms);
+        times.wall_ms.push_back((*world)->wallMs());
+      } else if (i >= options_.frames + settle / 2) {
+        settled_ms.push_back(frame->stats.gpu_ms);
+      }
+    }
+    if (!settled_ms.empty()) times.settled_ms = median(settled_ms);
+    return times;
+  }
+
   const JumpOptions& options_;
   const OpenStage& stage_;
   const scene::ScenePtr& scene_;
