@@ -140,7 +140,7 @@ void Lipac::readCommands() {
     const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
                             status.states[shared::kStateActive];
     room_known_.surfaces = std::max(status.wanted, called);
-    room_known_.boxes = status.boxes + room_known_.surfaces;
+    room_known_.counted = status.boxes + room_known_.surfaces;
     const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
     for (uint32_t i = 0; i < std::min(status.commands, command_capacity_); ++i) {
       if (commands[i].slot & shared::kCommandRemove) granted_.erase(commands[i].slot & ~shared::kCommandRemove);
@@ -227,10 +227,10 @@ void Lipac::serve(const OwnBlases& blases, const Units& units) {
 
 TlasRoom Lipac::wantedRoom(uint32_t instances) const {
   const uint32_t guess = std::min(instances, std::max(kFirstGuess, instances / 16));
-  const TlasRoom known = room_known_.boxes ? room_known_ : TlasRoom{guess, guess};
+  const TlasRoom known = room_known_.counted ? room_known_ : TlasRoom{guess, guess};
   const auto appearing = static_cast<uint32_t>(appearance_.blocks().size()) * shared::kOrderBlock;
   const uint32_t more = std::min(instances, appearing);
-  return {known.surfaces + more, known.boxes + more};
+  return {known.surfaces + more, known.counted + more};
 }
 
 void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
@@ -356,12 +356,12 @@ void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeli
   commands.dispatch(groups(threads));
 }
 
-void Lipac::assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& boxes) {
+void Lipac::assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& counted) {
   const auto wait = [&] { commands.barrier(gpu::use::compute_write, gpu::use::compute_write); };
   tick_.output_ = surfaces.instances;
   tick_.capacity = surfaces.capacity;
-  tick_.boxes = boxes.instances;
-  tick_.box_capacity = boxes.capacity;
+  tick_.counted = counted.instances;
+  tick_.counted_capacity = counted.capacity;
   commands.upload<shared::LipacTick>(tick_buffer_, 0, std::span(&tick_, 1));
   commands.barrier(gpu::use::transfer_write, gpu::use::compute_write);
   dispatch(commands, reset_, grid_.cells());
@@ -386,7 +386,7 @@ void Lipac::assemble(gpu::Commands& commands, const TlasTable& surfaces, const T
   commands.dispatch(1);
   wait();
   dispatch(commands, emit_, tick_.count);
-  dispatch(commands, emit_boxes_, std::max({grid_.cells(), surfaces.capacity, boxes.capacity}));
+  dispatch(commands, emit_boxes_, std::max({grid_.cells(), surfaces.capacity, counted.capacity}));
 }
 
 void Lipac::feedback(gpu::Commands& commands, bool counted) {

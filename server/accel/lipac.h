@@ -62,8 +62,8 @@ class Lipac {
 
   /// Records the copies of what the passes below read (transfer writes).
   void upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);
-  /// Compute: applies what was granted, then writes the TLAS instances of surfaces and those of boxes.
-  void assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& boxes);
+  /// Compute: applies what was granted, then writes the TLAS instances of surfaces, and those with boxes among them.
+  void assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& counted);
   /// Compute: weighs this tick's hits and changes states. `counted` false: not every viewer has counted yet, so states
   /// stay and counters go on. Ends with the copy that begin() reads.
   void feedback(gpu::Commands& commands, bool counted);

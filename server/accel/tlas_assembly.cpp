@@ -67,7 +67,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 
 void TlasAssembly::reserve(gpu::Commands& commands, const TlasRoom& room) {
   reserve(commands, surfaces_, kSurfaces, room.surfaces);
-  reserve(commands, boxes_, "the TLAS instances of boxes", room.boxes);
+  reserve(commands, counted_, "the TLAS instances with boxes", room.counted);
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count) {
@@ -120,12 +120,12 @@ void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table,
   commands.dispatch((surfaces_.capacity + shared::kOrderBlock - 1) / shared::kOrderBlock);
 }
 
-void TlasAssembly::build(gpu::Commands& commands, bool with_boxes) {
+void TlasAssembly::build(gpu::Commands& commands, bool counts) {
   commands.copy(counter_, counter_readback_, sizeof(uint32_t));
   commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
   const gpu::TlasInput inputs[] = {{&surfaces_.tlas, surfaces_.instances.address(), surfaces_.capacity},
-                                   {&boxes_.tlas, with_boxes ? boxes_.instances.address() : 0, boxes_.capacity}};
-  gpu::buildTlases(commands, std::span(inputs, with_boxes ? 2 : 1));
+                                   {&counted_.tlas, counts ? counted_.instances.address() : 0, counted_.capacity}};
+  gpu::buildTlases(commands, std::span(inputs, counts ? 2 : 1));
 }
 
 uint32_t TlasAssembly::entered() const {

@@ -1,5 +1,5 @@
-// The TLAS of a world, and that of the boxes which stand for what is not in it: instances written on the GPU in Morton
-// order, then built.
+// The TLAS of a world, and with light path guided culling a second one for rays that count, in which boxes stand for what
+// is culled: instances written on the GPU in Morton order, then built.
 #pragma once
 
 #include "accel/instance_table.h"
@@ -17,7 +17,7 @@ struct TlasTable {
 };
 /// Instances that want a place in each TLAS.
 struct TlasRoom {
-  uint32_t surfaces = 0, boxes = 0;
+  uint32_t surfaces = 0, counted = 0;
 };
 
 class TlasAssembly {
@@ -29,28 +29,28 @@ class TlasAssembly {
   /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
   /// Gives back what edits leave over, once they have been over for a while.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
-  /// The same for so many entries, which somebody else writes to surfaces() and boxes(), and who is untraced to a table of
+  /// The same for so many entries, which somebody else writes to surfaces() and counted(), and who is untraced to a table of
   /// its own.
   void reserve(gpu::Commands& commands, const TlasRoom& room);
   TlasTable surfaces() const { return surfaces_.table(); }
-  TlasTable boxes() const { return boxes_.table(); }
+  TlasTable counted() const { return counted_.table(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
   void upload(gpu::Commands& commands);
   /// Compute: writes surfaces() from the table, in its order, and notes which BLASes they need.
   void assemble(gpu::Commands& commands, const InstanceTable& table, const SharedBlases& blases);
-  /// Builds the structures from what was assembled, `with_boxes` both of them, and reads back how many entered.
-  void build(gpu::Commands& commands, bool with_boxes);
+  /// Builds the structures from what was assembled, `counts` both of them, and reads back how many entered.
+  void build(gpu::Commands& commands, bool counts);
 
   VkDeviceAddress address() const { return surfaces_.tlas.address(); }
-  VkDeviceAddress boxAddress() const { return boxes_.tlas.address(); }  ///< 0: none was ever built
-  /// Nobody asks for boxes any more. No submitted work uses them.
-  void dropBoxes() { boxes_ = {}; }
+  VkDeviceAddress countedAddress() const { return counted_.tlas.address(); }  ///< 0: never built
+  /// Nobody counts any more. No submitted work uses it.
+  void dropCounted() { counted_ = {}; }
   /// By slot: 0 where rays meet the instance, as the last assemble() had it.
   const gpu::Buffer& untraced() const { return untraced_; }
   /// Of the last build that is done.
   uint32_t entered() const;
-  uint64_t bytes() const { return surfaces_.bytes() + boxes_.bytes() + untraced_.size(); }
-  uint64_t scratchBytes() const { return surfaces_.tlas.scratchBytes() + boxes_.tlas.scratchBytes(); }
+  uint64_t bytes() const { return surfaces_.bytes() + counted_.bytes() + untraced_.size(); }
+  uint64_t scratchBytes() const { return surfaces_.tlas.scratchBytes() + counted_.tlas.scratchBytes(); }
 
  private:
   struct Part {
@@ -67,7 +67,7 @@ class TlasAssembly {
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
   gpu::Buffer spheres_, chosen_buffer_, volume_buffer_, counter_, counter_readback_, untraced_;
-  Part surfaces_, boxes_;
+  Part surfaces_, counted_;
   std::vector<uint32_t> chosen_;  // blocks, ascending
   bool all_blocks_ = true;
   std::vector<shared::CullVolume> volumes_;

@@ -80,6 +80,13 @@ class VulkanRenderer final : public Renderer {
     });
   }
 
+  Result<void> freezeCulling(WorldHandle world, bool frozen) override {
+    const std::shared_ptr<WorldRenderer> renderer = find(world);
+    if (!renderer) return unknown(world);
+    renderer->freezeCulling(frozen);
+    return {};
+  }
+
   Result<std::vector<CulledInstance>> culledInstances(WorldHandle world) override {
     const std::shared_ptr<WorldRenderer> renderer = find(world);
     if (!renderer) return unknown(world);
@@ -123,6 +130,10 @@ class VulkanRenderer final : public Renderer {
 }  // namespace
 
 Result<void> Renderer::setCulling(WorldHandle, Culling, const CullingSettings&) {
+  return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
+}
+
+Result<void> Renderer::freezeCulling(WorldHandle, bool) {
   return Error{ErrorKind::unsupported, "this renderer knows no culling", "culling", {}, {}};
 }
 

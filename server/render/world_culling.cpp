@@ -10,8 +10,8 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   const std::lock_guard lock(mutex_);
   reassemble_ = true;
   lipac_.reset();
-  tlas_.dropBoxes();
-  cast_by_map_ = false;
+  tlas_.dropCounted();
+  cast_by_map_ = frozen_ = false;
   build_budget_ = {settings.builds, settings.build_triangles};
   shared_blases_.set(settings.shared_blases);
   strategy_ = culling == Culling::frustum_radius ? accel::frustumRadiusStrategy(settings.radius)
@@ -26,6 +26,11 @@ void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings)
   guided_ = true;
   warmUp();
   lipac_->forget();
+}
+
+void WorldRenderer::freezeCulling(bool frozen) {
+  const std::lock_guard lock(mutex_);
+  frozen_ = frozen;
 }
 
 std::vector<ViewRequest> WorldRenderer::castByMap(std::span<const ViewRequest> requests) const {
@@ -43,7 +48,7 @@ std::vector<accel::WantedUnit> WorldRenderer::beginCulling(std::span<const ViewR
   if (!guided_) return wantedUnits(viewers);
   std::vector<accel::WantedUnit> wanted;
   std::vector<accel::Sight> sights;
-  for (size_t i = 0; i < requests.size(); ++i) sights.push_back({requests[i].view, viewers[i].volume});
+  for (size_t i = 0; i < requests.size() && !frozen_; ++i) sights.push_back({requests[i].view, viewers[i].volume});
   for (const uint32_t unit : lipac_->begin(sights, instances_, units_))
     wanted.push_back({unit, detail_.levelFor(instances_, units_.units()[unit].slot, own_blases_.level(unit))});
   return wanted;
@@ -95,7 +100,7 @@ void WorldRenderer::uploadCulling(gpu::Commands& commands) {
 void WorldRenderer::addFeedback(Graph& graph, uint64_t tick) {
   graph.add("feedback", Graph::kShared,
             {{&lipac_, gpu::use::compute_write}, {&shared_blases_, gpu::use::compute_write}},
-            [this, counted = quorum_.complete(tick)](gpu::Commands& commands) {
+            [this, counted = !frozen_ && quorum_.complete(tick)](gpu::Commands& commands) {
               lipac_->feedback(commands, counted);
               shared_blases_.readBack(commands);
             });
@@ -105,7 +110,7 @@ void WorldRenderer::describeCounting(shared::FrameConstants& constants, const Vi
   constants.instance_hits = lipac_->hits().address();
   constants.hitboxes = lipac_->hitboxes().address();
   constants.culling = lipac_->tickConstants();
-  constants.boxes = tlas_.boxAddress();
+  constants.counted_tlas = tlas_.countedAddress();
   constants.hit_stride = 1;
   if (!view.counts_hits) return;
   const ViewSettings& settings = view.settings();

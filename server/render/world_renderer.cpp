@@ -199,7 +199,7 @@ std::vector<Frame> WorldRenderer::render(const world::ChangeSet& changes, std::s
     View& view = *views_.at(request.view);
     view.begin(commands_, request.camera, request.settings, scene_changed, changes.tick,
                PathTrace::rayLogStride(request.settings.bounces));
-    view.counts_hits = guided_ && quorum_.counts(request.view, changes.tick);
+    view.counts_hits = guided_ && !frozen_ && quorum_.counts(request.view, changes.tick);
     work.push_back({view, static_cast<int>(work.size()), {}});
     addViewPasses(graph, work.back());
   }
@@ -266,7 +266,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
        {&lipac_, gpu::use::compute_write},
        {&tlas_, gpu::use::compute_write}},
       [this](gpu::Commands& commands) {
-        if (guided_) lipac_->assemble(commands, tlas_.surfaces(), tlas_.boxes());
+        if (guided_) lipac_->assemble(commands, tlas_.surfaces(), tlas_.counted());
         else tlas_.assemble(commands, instances_, shared_blases_);
       },
       gpu::Queue::async);
@@ -293,7 +293,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
                       &tlas_,
                       &instances_,
                       paths_,
-                      guided_ ? static_cast<Resource>(&lipac_) : nullptr,
+                      guided_ && !frozen_ ? static_cast<Resource>(&lipac_) : nullptr,
                       guided_ && lipac_->settings().box_hits == accel::BoxHits::any_hit,
                       learnsLamps(settings) ? static_cast<Resource>(&light_lists_) : nullptr};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
@@ -369,7 +369,7 @@ void WorldRenderer::addRasterPasses(const ViewPass& pass, const glm::vec2& jitte
   // In the place of rays the map has everything; together with them it has what they do not meet.
   ShadowCasters casters;
   if (settings.sun_shadow == SunShadow::rays_and_map)
-    casters = guided_ ? ShadowCasters{&lipac_->untraced(), pass.hits} : ShadowCasters{&tlas_.untraced(), pass.tlas};
+    casters = guided_ ? ShadowCasters{&lipac_->untraced(), &lipac_} : ShadowCasters{&tlas_.untraced(), pass.tlas};
   passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world, casters);
 }
 

@@ -38,6 +38,7 @@ class WorldRenderer {
   void removeView(ViewHandle handle);
   /// From the next tick on.
   void setCulling(Culling culling, const CullingSettings& settings);
+  void freezeCulling(bool frozen);
   /// Renderer::culledInstances().
   Result<std::vector<CulledInstance>> culledInstances();
   /// Builds BLASes of instances' own one by one. Before the first tick.
@@ -105,6 +106,7 @@ class WorldRenderer {
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
   bool cast_by_map_ = false;
   bool guided_ = false;  // lipac_ decides about this tick: nobody needs everything
+  bool frozen_ = false;  // by what it decided before
   bool rests_ = false;   // neither the scene nor a camera moves in this tick
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;

@@ -4,6 +4,11 @@
 #include "shared/frame.h"
 #include "shared/scene.h"
 
+// In the place of a geometry: a box that stands for what was culled. `slot` is the cell or the instance, barycentrics.x the
+// distance.
+const uint kMetOmitted = 0xfffffffeu;
+const uint kMetCell = 0xffffffffu;
+
 struct Hit {
   uint slot;
   uint geometry;    // within the mesh
@@ -12,23 +17,13 @@ struct Hit {
   uint level;       // of detail, of the mesh; kLevelInBlas: the one that the instance has in its BLAS
 };
 
-// What a ray among surfaces met: the payload.
-struct Met {
-  uint slot;
-  uint geometry;
-  uint primitive;  // kNothing: it missed
-  vec2 barycentrics;
-  float distance;
-};
-
-Hit hitOf(Met met) { return Hit(met.slot, met.geometry, met.primitive, met.barycentrics, kLevelInBlas); }
-
-// What a ray among the boxes of what was culled met: the payload.
-struct MetBoxes {
+// Of a ray whose boxes any-hit shaders take down: the nearest cell and the nearest omitted instance before the hit.
+struct CountedHit {
+  Hit hit;
   uint leaves;  // the instance that the ray starts on: its bounds do not count
   uint cell;    // kNothing: none
   float cell_distance;
-  uint omitted;  // an instance; kNothing: none
+  uint omitted;
   float omitted_distance;
 };
 

@@ -92,11 +92,11 @@ uint cellOf(uint entry) { return entry & kNoCell; }
 uint rankOf(uint entry) { return entry >> kRankShift & kRankMost; }
 uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 
-// An instance, or its bounds, takes the same place in the tables of surfaces and of boxes; cells' boxes leave the room that there is. Ranks from `sure` on fit for sure, those of the rank below as far as `room` goes.
+// What takes a place in the one table takes the same in the other; cells' boxes leave the room that there is. Ranks from `sure` on fit for sure, those of the rank below as far as `room` goes.
 const uint kAllFit = 0u;
 void findRoom(out uint sure, out uint room) {
   StatusRef result = StatusRef(lipac.status);
-  room = min(lipac.capacity, lipac.box_capacity - min(result.status.boxes, lipac.box_capacity));
+  room = min(lipac.capacity, lipac.counted_capacity - min(result.status.boxes, lipac.counted_capacity));
   sure = kAllFit;
   if (result.status.wanted <= room) return;
   for (sure = kRanks; sure > 1u && result.status.ranks[sure - 1u] <= room; --sure) room -= result.status.ranks[sure - 1u];

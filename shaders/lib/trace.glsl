@@ -4,20 +4,19 @@
 #include "lib/surface.glsl"
 #include "shared/lipac.h"
 
-layout(location = 0) rayPayloadEXT Met met_payload;
+layout(location = 0) rayPayloadEXT Hit hit_payload;
 layout(location = 1) rayPayloadEXT uint visible_payload;
 
 const uint kMissSurface = 0;
 const uint kMissShadow = 1;
-const uint kMissBoxes = 2;
 // Where nothing is cut out no ray need ask.
 const uint kOpaque = kAlphaMasks ? gl_RayFlagsNoneEXT : gl_RayFlagsOpaqueEXT;
 
 // The nearest surface within `distance`; primitive == kNothing where there is none.
 Hit traceWithin(vec3 origin, vec3 direction, float distance) {
-  met_payload.primitive = kNothing;
+  hit_payload.primitive = kNothing;
   traceRayEXT(accelerationStructureEXT(frame.tlas), kOpaque, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, distance, 0);
-  return inSubmesh(hitOf(met_payload));
+  return inSubmesh(hit_payload);
 }
 Hit traceSurface(vec3 origin, vec3 direction) { return traceWithin(origin, direction, kFar); }
 
@@ -31,13 +30,14 @@ bool traceVisible(vec3 origin, vec3 direction, float distance) {
 }
 
 // ---- Rays that count whom they meet [Kelling et al. 2024, §3.3] ----
+// They meet boxes too, in a structure that holds these beside all surfaces. Whoever looks for no box does not pay for them.
 
 layout(buffer_reference, scalar) buffer InstanceHits { uint items[]; };
 layout(buffer_reference, scalar) buffer HitboxHits { Hitbox items[]; };
 
 bool counts_ = false;  // this path does
 
-layout(location = 2) rayPayloadEXT MetBoxes boxes_payload;
+layout(location = 2) rayPayloadEXT CountedHit counted_payload;
 
 void countInstance(uint slot, bool marked) {
   InstanceHits counters = InstanceHits(frame.instance_hits);
@@ -49,69 +49,54 @@ void countCell(uint cell) {
   atomicAdd(counters.items[cell].hits, frame.hit_weight);
 }
 
-void traceBoxes(vec3 origin, vec3 direction, float nearest, float farthest, uint mask) {
-  traceRayEXT(accelerationStructureEXT(frame.boxes), gl_RayFlagsNoneEXT, mask, 0, 0, kMissBoxes, origin, nearest, direction, farthest, 2);
-}
-
-// A box ends the ray, which goes on from there without boxes of that kind.
-void goThroughBoxes(vec3 origin, vec3 direction, float distance) {
-  uint cell = kNothing, omitted = kNothing, mask = kMaskCell | kMaskOmitted;
+// Boxes end the ray, which goes on from there.
+Hit traceThroughBoxes(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+  const bool ends_at_any = (flags & gl_RayFlagsTerminateOnFirstHitEXT) != 0u;
+  uint mask = counts_ ? kMaskAll | kMaskCell | kMaskOmitted : kMaskAll;
   float nearest = 0.0;
-  uint sides = 2u;  // of the bounds that it starts on
-  while (mask != 0u) {
-    boxes_payload.cell = boxes_payload.omitted = kNothing;
-    traceBoxes(origin, direction, nearest, distance, mask);
-    if (boxes_payload.cell != kNothing) {
-      cell = boxes_payload.cell;
-      nearest = boxes_payload.cell_distance;
+  uint sides = ends_at_any ? 0u : 2u;  // of the bounds that it starts on
+  const bool any_will_do = ends_at_any && !counts_;  // nobody asks who it was
+  if (any_will_do) flags |= gl_RayFlagsSkipClosestHitShaderEXT;
+  for (;;) {
+    hit_payload.primitive = any_will_do ? 0u : kNothing;
+    traceRayEXT(accelerationStructureEXT(mask == kMaskAll ? frame.tlas : frame.counted_tlas), kOpaque | flags, mask, 0, 0, kMissSurface,
+                origin, nearest, direction, distance, 0);
+    const Hit hit = hit_payload;
+    if (any_will_do || hit.primitive == kNothing || hit.geometry < kMetOmitted) return hit;
+    // Nothing lies before the nearest hit. A shadow ray ends at any hit, so what is before this one it does not know.
+    if (!ends_at_any) nearest = hit.barycentrics.x;
+    if (hit.geometry == kMetCell) {
+      countCell(hit.slot);
       mask &= ~kMaskCell;
-    } else if (boxes_payload.omitted == kNothing) {
-      break;
-    } else if (boxes_payload.omitted == boxes_payload.leaves && sides > 0u) {
-      nearest = uintBitsToFloat(floatBitsToUint(boxes_payload.omitted_distance) + 1u);
+    } else if (hit.slot == leaves && sides > 0u) {
+      nearest = uintBitsToFloat(floatBitsToUint(nearest) + 1u);
       --sides;
     } else {
-      omitted = boxes_payload.omitted;
-      nearest = boxes_payload.omitted_distance;
+      if (hit.slot != leaves) countInstance(hit.slot, marked);
       mask &= ~kMaskOmitted;
     }
   }
-  boxes_payload.cell = cell;
-  boxes_payload.omitted = omitted;
 }
 
-// Of the boxes before `distance` the nearest cell and the nearest omitted instance. `leaves`: the instance that the ray starts
-// on; its bounds are not counted, or it would become active, get no hits and be omitted again.
-void countBoxes(vec3 origin, vec3 direction, float distance, uint leaves, bool marked) {
-  boxes_payload = MetBoxes(leaves, kNothing, distance, kNothing, distance);
-  if (kAnyHitBoxes) traceBoxes(origin, direction, 0.0, distance, kMaskCell | kMaskOmitted);
-  else goThroughBoxes(origin, direction, distance);
-  if (boxes_payload.cell != kNothing) countCell(boxes_payload.cell);
-  if (boxes_payload.omitted != kNothing && boxes_payload.omitted != leaves) countInstance(boxes_payload.omitted, marked);
+// Any-hit shaders take down the nearest boxes on the way.
+Hit traceNotingBoxes(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+  counted_payload = CountedHit(Hit(0u, 0u, kNothing, vec2(0.0), 0u), leaves, kNothing, kFar, kNothing, kFar);
+  const uint mask = counts_ ? kMaskAll | kMaskCell | kMaskOmitted : kMaskAll;
+  traceRayEXT(accelerationStructureEXT(counts_ ? frame.counted_tlas : frame.tlas), counts_ ? flags : kOpaque | flags, mask, 0, 0,
+              kMissSurface, origin, 0.0, direction, distance, 2);
+  if (counted_payload.cell != kNothing) countCell(counted_payload.cell);
+  if (counted_payload.omitted != kNothing) countInstance(counted_payload.omitted, marked);
+  return counted_payload.hit;
 }
 
-// As traceWithin(), but whoever is met counts, and what the ray goes through on the way there. `marked`: this path was
-// scattered by mirrors alone.
-Hit traceCounted(vec3 origin, vec3 direction, float distance, uint leaves, bool marked) {
-  const Hit hit = traceWithin(origin, direction, distance);
-  if (counts_) {
-    if (hit.primitive != kNothing) countInstance(hit.slot, marked);
-    countBoxes(origin, direction, hit.primitive != kNothing ? met_payload.distance : distance, leaves, marked);
-  }
-  return hit;
-}
-
-// As traceVisible(). Light that does not arrive asks for whoever stands in its way, and for nothing else.
-bool traceVisibleCounted(vec3 origin, vec3 direction, float distance, uint leaves) {
-  met_payload.primitive = 0u;  // unless it misses
-  const uint flags = kOpaque | gl_RayFlagsTerminateOnFirstHitEXT | (counts_ ? 0u : gl_RayFlagsSkipClosestHitShaderEXT);
-  traceRayEXT(accelerationStructureEXT(frame.tlas), flags, kMaskAll, 0, 0, kMissSurface, origin, 0.0, direction, distance, 0);
-  const bool visible = met_payload.primitive == kNothing;
-  if (counts_) {
-    if (visible) countBoxes(origin, direction, distance, leaves, false);
-    else countInstance(met_payload.slot, false);
-  }
-  return visible;
+// As the functions above, but for what is counted: whoever is met, and on the way there one cell and one omitted instance at
+// most. `leaves`: the instance that the ray starts on; its bounds are not counted, or it would become active, get no hits and
+// be omitted again. `marked`: this path was scattered by mirrors alone.
+Hit traceCounted(vec3 origin, vec3 direction, float distance, uint flags, uint leaves, bool marked) {
+  const Hit hit = kAnyHitBoxes ? traceNotingBoxes(origin, direction, distance, flags, leaves, marked)
+                               : traceThroughBoxes(origin, direction, distance, flags, leaves, marked);
+  if (counts_ && hit.primitive != kNothing) countInstance(hit.slot, marked);
+  return (flags & gl_RayFlagsTerminateOnFirstHitEXT) != 0u ? hit : inSubmesh(hit);
 }
 
 #endif

@@ -12,7 +12,7 @@ HELIO_GROUP_RANK(wanted)
 
 void main() {
   const uint index = gl_GlobalInvocationID.x;
-  TlasTable boxes = TlasTable(lipac.boxes);
+  TlasTable counted = TlasTable(lipac.counted);
   Hitbox hitbox;
   bool box = false;
   if (index < cellCount()) {
@@ -32,9 +32,9 @@ void main() {
     result.custom_index_and_mask = index | kMaskCell << 24;
     result.hit_group_and_flags = kHitGroupCell | lipac.box_flags << 24;
     result.blas = lipac.cube;
-    if (place < lipac.box_capacity) boxes.items[place] = result;
+    if (place < lipac.counted_capacity) counted.items[place] = result;
   }
   const LipacStatus status = StatusRef(lipac.status).status;
-  if (index < lipac.box_capacity && index >= status.entries) boxes.items[index].blas = 0ul;
+  if (index < lipac.counted_capacity && index >= status.entries) counted.items[index].blas = 0ul;
   if (index < lipac.capacity && index >= status.entered) TlasTable(lipac.output_).items[index].blas = 0ul;
 }

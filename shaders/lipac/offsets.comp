@@ -57,7 +57,7 @@ void main() {
 
   if (thread == 0u) {
     StatusRef result = StatusRef(lipac.status);
-    const uint shown = min(all_boxes.x, lipac.box_capacity - entered);
+    const uint shown = min(all_boxes.x, lipac.counted_capacity - entered);
     result.status.entered = entered;
     result.status.entries = entered + shown;
     result.status.dropped = all_boxes.x + result.status.wanted - entered - shown;

@@ -4,7 +4,7 @@
 // Says who was hit; ray generation shades.
 #include "lib/hit.glsl"
 
-layout(location = 0) rayPayloadInEXT Met payload;
+layout(location = 0) rayPayloadInEXT Hit payload;
 hitAttributeEXT vec2 barycentrics;
 
-void main() { payload = Met(gl_InstanceCustomIndexEXT, gl_GeometryIndexEXT, gl_PrimitiveID, barycentrics, gl_HitTEXT); }
+void main() { payload = Hit(gl_InstanceCustomIndexEXT, gl_GeometryIndexEXT, gl_PrimitiveID, barycentrics, kLevelInBlas); }

@@ -3,6 +3,6 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/hit.glsl"
 
-layout(location = 0) rayPayloadInEXT Met payload;
+layout(location = 0) rayPayloadInEXT Hit payload;
 
 void main() { payload.primitive = kNothing; }

@@ -19,7 +19,7 @@ vec3 localBsdf(Bsdf b, vec3 wo, vec3 wi) {
 // The lamp does not stand in its own light.
 bool litBy(vec3 origin, vec3 direction, float distance, uint slot) {
   Hit hit;
-  if (kCountHits) hit = traceCounted(origin, direction, distance, startSlot(vertex_), false);
+  if (kCountHits) hit = traceCounted(origin, direction, distance, gl_RayFlagsNoneEXT, startSlot(vertex_), false);
   else hit = traceWithin(origin, direction, distance);
   return hit.primitive == kNothing || hit.slot == slot;
 }

@@ -84,7 +84,7 @@ struct FrameConstants {
   uint64_t instance_hits;  // uint, by slot
   uint64_t hitboxes;       // Hitbox, by cell
   uint64_t culling;        // LipacTick; 0: another strategy
-  uint64_t boxes;          // acceleration structure of the boxes that stand for what is culled
+  uint64_t counted_tlas;   // acceleration structure of what is in `tlas`, and of boxes that stand for what is not
   uint hit_weight;         // of a hit, in 1/8; 0: this view does not count in this tick
   uint hit_stride;         // of the tiles whose paths count
   uint hit_turn;           // whose turn it is among `hit_stride`

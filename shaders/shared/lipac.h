@@ -124,7 +124,7 @@ struct LipacTick {
   uint64_t entry_sums;  // uvec2 a group: entries that surely fit, entries that fit if there is room
   uint64_t box_sums;    // uint a group
   uint64_t output_;     // TlasInstance: what has a surface
-  uint64_t boxes;       // TlasInstance: boxes of instances and of cells
+  uint64_t counted;     // TlasInstance: the same, and boxes of instances and of cells
   uint64_t status;      // LipacStatus
   uint64_t commands;    // LipacCommand
   uint64_t patches;     // LipacPatch
@@ -137,7 +137,7 @@ struct LipacTick {
   uint grid_blocks_z;
   uint count;     // entries of `order`
   uint capacity;  // of `output_`
-  uint box_capacity;  // of `boxes`
+  uint counted_capacity;  // of `counted`
   uint command_capacity;
   uint patch_count;
   uint sight_count;

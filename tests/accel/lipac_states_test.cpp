@@ -85,7 +85,7 @@ class LipacStates : public LipacFixture {
     const gpu::Buffer records =
         table("instances", std::vector<InstanceRecord>(kInstances, InstanceRecord{{}, kNoMesh, 0.0f, 0}));
     const gpu::Buffer surfaces = table("surfaces", std::vector<TlasInstance>(64));
-    const gpu::Buffer box_table = table("boxes", std::vector<TlasInstance>(64));
+    const gpu::Buffer counted = table("counted", std::vector<TlasInstance>(64));
     std::vector<Instance> instances(kInstances);
     std::vector<uint32_t> cell_ids(kCells), cell_levels(kCells);
     for (uint32_t& id : cell_ids) id = below(cells);
@@ -141,7 +141,7 @@ class LipacStates : public LipacFixture {
                    {order_table.address(), records.address(), 0, 0, kInstances, kInstances, rules.resting > 0},
                    kInstances);
       barrier();
-      lipac.assemble(commands, {surfaces.address(), 64}, {box_table.address(), 64});
+      lipac.assemble(commands, {surfaces.address(), 64}, {counted.address(), 64});
       barrier();
       commands.upload<uint32_t>(lipac.words(), 0, words);
       commands.upload<uint32_t>(lipac.hits(), 0, hits);

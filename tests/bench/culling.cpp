@@ -19,10 +19,12 @@ constexpr const char* kNotes = R"(What is measured:
   A city in which everything moves, seen by one of its cameras. Every strategy has a world of its own; their ticks
   alternate, so whatever slows the machine down meets all of them alike. full: everything is in the TLAS.
   frustum_radius: what is in the frustum or within 800 m. lipac: what light paths meet; lipac_literal: by the paper's
-  rules to the letter; lipac_any_hit: boxes are any-hit geometry. distance: as many instances as lipac holds then, the
+  rules to the letter; lipac_any_hit: boxes are any-hit geometry; lipac_frozen: lipac, but behind the warm-up nothing is
+  counted any more and nothing changes, which shows what counting costs. distance: as many instances as lipac holds then, the
   nearest. none: nothing but what is too large to be culled; pictures must fail it.
-  Then time stands still for 36 ticks, until nothing is held for a new view's sake alone, and the pictures of all strategies are averaged over the same samples: their errors are
-  against full. Indirect light is the picture without what paths of one scattering bring.
+  Then time stands still for 36 ticks, until nothing is held for a new view's sake alone, and the pictures of all
+  strategies are averaged over the same samples: their errors are against full. Indirect light is the picture without
+  what paths of one scattering bring.
 
 Examples:
   helio-bench culling --camera animated_models --instances 2000 --animated 500 --size 160x90 --frames 5
@@ -80,6 +82,10 @@ class Contestant {
     render::CullingSettings settings;
     settings.radius = std::max(distances[last], 0.001f);
     return renderer_.setCulling(handle_, render::Culling::distance, settings);
+  }
+
+  Result<void> freezeIfAsked() {
+    return strategy_ == "lipac_frozen" ? renderer_.freezeCulling(handle_, true) : Result<void>();
   }
 
   /// The mean of the options' samples while time stands, in a view of its own: all contestants draw the same samples.
@@ -232,6 +238,9 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
       // Half of the warm-up settles lipac; the other brings distance the BLASes that it wants.
       if (i == options.warmup / 2)
         if (auto done = matchDistance(contestants); !done) return done;
+      if (i == options.warmup)
+        for (auto& contestant : contestants)
+          if (auto done = contestant->freezeIfAsked(); !done) return done;
       for (auto& contestant : contestants)
         if (auto done = contestant->tick(kTick, i >= options.warmup); !done) return done;
     }
@@ -281,7 +290,7 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--strategies", options->strategies, "full, then what is compared with it; distance needs lipac")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "none", "distance"}));
+      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "lipac_frozen", "none", "distance"}));
   addSettingOptions(command, options->settings);
   command.add_option("--smoothing", options->smoothing, "of lipac: ticks that hits are averaged over")
       ->capture_default_str()

@@ -210,6 +210,29 @@ TEST(LipacLatency, WhatIsBuiltInSightIsTracedAtOnce) {
   EXPECT_TRUE(now.back().traced);
 }
 
+TEST(LipacLatency, AFrozenWorldStaysAsItIs) {
+  Stage stage(town());
+  stage.setCulling(Culling::lipac);
+  (void)stage.accumulate(cameraOf(*town(), "animated_models"), small(), 30);
+  const auto states = [&] {
+    std::vector<uint32_t> result;
+    for (const render::CulledInstance& instance : instances(stage.handle())) result.push_back(instance.state);
+    return result;
+  };
+  const auto before = states();
+  ASSERT_TRUE(renderer().freezeCulling(stage.handle(), true).ok());
+  const scene::Camera elsewhere = cameraOf(*town(), "tilted_city");
+  for (int tick = 0; tick < 24; ++tick) {
+    const render::Frame frame = stage.tick(elsewhere, small());
+    EXPECT_EQ(frame.stats.lipac->changes + frame.stats.lipac->opened + frame.stats.lipac->box_hits, 0u) << tick;
+  }
+  EXPECT_EQ(states(), before);
+  ASSERT_TRUE(renderer().freezeCulling(stage.handle(), false).ok());
+  EXPECT_GT(stage.tick(elsewhere, small()).stats.lipac->opened, 0u);
+  EXPECT_NE(states(), before);
+  EXPECT_FALSE(renderer().freezeCulling(12345, true).ok());
+}
+
 TEST(LipacLatency, CompanyNeverMakesAViewersPictureWorse) {
   const scene::Camera mine = cameraOf(*town(), "tilted_city"), theirs = cameraOf(*town(), "animated_models");
   Company full(town(), Culling::full, 1), alone(town(), Culling::lipac, 1), together(town(), Culling::lipac, 3);

@@ -45,11 +45,15 @@ gpu::RayTracingDescription describeTrace(const std::string& raygen, effects::Eff
                                          {"path_trace/surface.rmiss", "path_trace/shadow.rmiss"},
                                          {{"path_trace/surface.rchit", anyHit(effects)}},
                                          constants};
+  // Only rays that count can meet boxes.
   if (constants.size() <= kCountHitsConstant || !constants[kCountHitsConstant]) return description;
-  description.misses.push_back("lipac/boxes.rmiss");
-  for (const std::string box : {"lipac/cell", "lipac/omitted"}) {
-    if (constants[kAnyHitBoxesConstant]) description.hits.push_back({"", box + ".rahit"});
-    else description.hits.push_back({box + ".rchit", ""});
+  if (constants[kAnyHitBoxesConstant]) {
+    description.misses.front() = "lipac/counted.rmiss";
+    description.hits = {
+        {"lipac/counted.rchit", anyHit(effects)}, {"", "lipac/cell.rahit"}, {"", "lipac/omitted.rahit"}};
+  } else {
+    description.hits.push_back({"lipac/cell.rchit", ""});
+    description.hits.push_back({"lipac/omitted.rchit", ""});
   }
   return description;
 }
