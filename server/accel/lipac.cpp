@@ -225,12 +225,12 @@ void Lipac::serve(const OwnBlases& blases, const Units& units) {
   }
 }
 
-TlasRoom Lipac::wantedRoom(uint32_t instances) const {
+TlasRoom Lipac::wantedRoom(uint32_t instances, bool all_count) const {
   const uint32_t guess = std::min(instances, std::max(kFirstGuess, instances / 16));
   const TlasRoom known = room_known_.counted ? room_known_ : TlasRoom{guess, guess};
   const auto appearing = static_cast<uint32_t>(appearance_.blocks().size()) * shared::kOrderBlock;
   const uint32_t more = std::min(instances, appearing);
-  return {known.surfaces + more, known.counted + more};
+  return {all_count ? 0 : known.surfaces + more, known.counted + more};
 }
 
 void Lipac::grow(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count) {
@@ -358,10 +358,10 @@ void Lipac::dispatch(gpu::Commands& commands, const gpu::ComputePipeline& pipeli
 
 void Lipac::assemble(gpu::Commands& commands, const TlasTable& surfaces, const TlasTable& counted) {
   const auto wait = [&] { commands.barrier(gpu::use::compute_write, gpu::use::compute_write); };
-  tick_.output_ = surfaces.instances;
-  tick_.capacity = surfaces.capacity;
   tick_.counted = counted.instances;
   tick_.counted_capacity = counted.capacity;
+  tick_.output_ = surfaces.instances;
+  tick_.capacity = surfaces.capacity;
   commands.upload<shared::LipacTick>(tick_buffer_, 0, std::span(&tick_, 1));
   commands.barrier(gpu::use::transfer_write, gpu::use::compute_write);
   dispatch(commands, reset_, grid_.cells());

@@ -57,8 +57,8 @@ class Lipac {
   void removeViewer(uint64_t viewer) { appearance_.remove(viewer); }
   /// After OwnBlases::plan(): grants what has a BLAS now. The rest is asked for again by the GPU.
   void serve(const OwnBlases& blases, const Units& units);
-  /// Entries that the TLASes need room for, as far as is known.
-  TlasRoom wantedRoom(uint32_t instances) const;
+  /// Entries that the TLASes need room for, as far as is known. `all_count`: every path of this tick does.
+  TlasRoom wantedRoom(uint32_t instances, bool all_count) const;
 
   /// Records the copies of what the passes below read (transfer writes).
   void upload(gpu::Commands& commands, const LipacWorld& world, uint32_t unit_count);

@@ -13,6 +13,7 @@ static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInst
 constexpr uint32_t kPatience = 20;
 
 constexpr const char* kSurfaces = "the TLAS instances";
+constexpr const char* kCounted = "the TLAS instances with boxes";
 
 /// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
@@ -57,6 +58,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
   reserve(commands, surfaces_, kSurfaces, count);
+  reserve(commands, counted_, kCounted, 0);
   if (const uint64_t bytes = bucketAbove(static_cast<uint32_t>(table.records().size())) * sizeof(uint32_t);
       untraced_.size() < bytes) {
     if (untraced_) commands.retire(std::move(untraced_));
@@ -67,10 +69,15 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 
 void TlasAssembly::reserve(gpu::Commands& commands, const TlasRoom& room) {
   reserve(commands, surfaces_, kSurfaces, room.surfaces);
-  reserve(commands, counted_, "the TLAS instances with boxes", room.counted);
+  reserve(commands, counted_, kCounted, room.counted);
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count) {
+  if (count == 0) {
+    if (part.instances) commands.retire(std::move(part.instances));
+    part = {};
+    return;
+  }
   const uint32_t capacity = bucketAbove(count + count / 8);
   if (count <= part.capacity) {
     part.roomy_ticks = capacity < part.capacity ? part.roomy_ticks + 1 : 0;
@@ -120,12 +127,13 @@ void TlasAssembly::assemble(gpu::Commands& commands, const InstanceTable& table,
   commands.dispatch((surfaces_.capacity + shared::kOrderBlock - 1) / shared::kOrderBlock);
 }
 
-void TlasAssembly::build(gpu::Commands& commands, bool counts) {
+void TlasAssembly::build(gpu::Commands& commands) {
   commands.copy(counter_, counter_readback_, sizeof(uint32_t));
   commands.barrier(gpu::use::transfer_write, gpu::use::host_read);
-  const gpu::TlasInput inputs[] = {{&surfaces_.tlas, surfaces_.instances.address(), surfaces_.capacity},
-                                   {&counted_.tlas, counts ? counted_.instances.address() : 0, counted_.capacity}};
-  gpu::buildTlases(commands, std::span(inputs, counts ? 2 : 1));
+  std::vector<gpu::TlasInput> inputs;
+  for (Part* part : {&surfaces_, &counted_})
+    if (part->capacity > 0) inputs.push_back({&part->tlas, part->instances.address(), part->capacity});
+  gpu::buildTlases(commands, inputs);
 }
 
 uint32_t TlasAssembly::entered() const {

@@ -17,7 +17,8 @@ struct TlasTable {
 };
 /// Instances that want a place in each TLAS.
 struct TlasRoom {
-  uint32_t surfaces = 0, counted = 0;
+  uint32_t surfaces = 0;  ///< 0: every ray counts, so the other one will do
+  uint32_t counted = 0;
 };
 
 class TlasAssembly {
@@ -32,19 +33,18 @@ class TlasAssembly {
   /// The same for so many entries, which somebody else writes to surfaces() and counted(), and who is untraced to a table of
   /// its own.
   void reserve(gpu::Commands& commands, const TlasRoom& room);
-  TlasTable surfaces() const { return surfaces_.table(); }
+  TlasTable surfaces() const { return surfaces_.table(); }  ///< of no capacity where the other one will do
   TlasTable counted() const { return counted_.table(); }
   /// Records the copies of what assemble() reads (transfer writes). After reserve().
   void upload(gpu::Commands& commands);
   /// Compute: writes surfaces() from the table, in its order, and notes which BLASes they need.
   void assemble(gpu::Commands& commands, const InstanceTable& table, const SharedBlases& blases);
-  /// Builds the structures from what was assembled, `counts` both of them, and reads back how many entered.
-  void build(gpu::Commands& commands, bool counts);
+  /// Builds the structures from what was assembled, and reads back how many entered.
+  void build(gpu::Commands& commands);
 
-  VkDeviceAddress address() const { return surfaces_.tlas.address(); }
-  VkDeviceAddress countedAddress() const { return counted_.tlas.address(); }  ///< 0: never built
-  /// Nobody counts any more. No submitted work uses it.
-  void dropCounted() { counted_ = {}; }
+  /// For rays that do not count; 0: none was ever built.
+  VkDeviceAddress address() const { return (surfaces_.capacity > 0 ? surfaces_ : counted_).tlas.address(); }
+  VkDeviceAddress countedAddress() const { return counted_.tlas.address(); }
   /// By slot: 0 where rays meet the instance, as the last assemble() had it.
   const gpu::Buffer& untraced() const { return untraced_; }
   /// Of the last build that is done.

@@ -5,12 +5,17 @@
 #include "render/world_renderer.h"
 
 namespace helio::render {
+namespace {
+
+/// Of a tick.
+uint64_t pathsOf(const ViewSettings& settings) { return uint64_t{settings.width} * settings.height * settings.samples; }
+
+}  // namespace
 
 void WorldRenderer::setCulling(Culling culling, const CullingSettings& settings) {
   const std::lock_guard lock(mutex_);
   reassemble_ = true;
   lipac_.reset();
-  tlas_.dropCounted();
   cast_by_map_ = frozen_ = false;
   build_budget_ = {settings.builds, settings.build_triangles};
   shared_blases_.set(settings.shared_blases);
@@ -46,6 +51,8 @@ std::vector<accel::WantedUnit> WorldRenderer::beginCulling(std::span<const ViewR
                                                            std::span<const accel::Viewpoint> viewers) {
   guided_ = lipac_ && std::none_of(viewers.begin(), viewers.end(), [](const auto& v) { return v.everything; });
   if (!guided_) return wantedUnits(viewers);
+  all_count_ = std::all_of(requests.begin(), requests.end(),
+                           [this](const ViewRequest& request) { return strideOf(request.settings) == 1; });
   std::vector<accel::WantedUnit> wanted;
   std::vector<accel::Sight> sights;
   for (size_t i = 0; i < requests.size() && !frozen_; ++i) sights.push_back({requests[i].view, viewers[i].volume});
@@ -90,7 +97,7 @@ Result<std::vector<CulledInstance>> WorldRenderer::culledInstances() {
 
 void WorldRenderer::uploadCulling(gpu::Commands& commands) {
   const auto count = static_cast<uint32_t>(instances_.order().size());
-  tlas_.reserve(commands, lipac_->wantedRoom(count));
+  tlas_.reserve(commands, lipac_->wantedRoom(count, all_count_));
   lipac_->upload(commands,
                  {instances_.orderBuffer().address(), instances_.recordBuffer().address(), shared_blases_.table(),
                   shared_blases_.needs(), count, static_cast<uint32_t>(instances_.records().size()), rests_},
@@ -106,6 +113,11 @@ void WorldRenderer::addFeedback(Graph& graph, uint64_t tick) {
             });
 }
 
+uint32_t WorldRenderer::strideOf(const ViewSettings& settings) const {
+  const uint64_t most = lipac_->settings().counted_paths;
+  return static_cast<uint32_t>((pathsOf(settings) + most - 1) / most);
+}
+
 void WorldRenderer::describeCounting(shared::FrameConstants& constants, const View& view) const {
   constants.instance_hits = lipac_->hits().address();
   constants.hitboxes = lipac_->hitboxes().address();
@@ -113,12 +125,10 @@ void WorldRenderer::describeCounting(shared::FrameConstants& constants, const Vi
   constants.counted_tlas = tlas_.countedAddress();
   constants.hit_stride = 1;
   if (!view.counts_hits) return;
-  const ViewSettings& settings = view.settings();
-  const uint64_t paths = uint64_t{settings.width} * settings.height * settings.samples;
-  const uint64_t most = lipac_->settings().counted_paths;
-  constants.hit_stride = static_cast<uint32_t>((paths + most - 1) / most);
+  constants.hit_stride = strideOf(view.settings());
   constants.hit_turn = lipac_->ticks() % constants.hit_stride;
   const uint64_t all = uint64_t{shared::kHitUnit} * shared::kReferencePaths * constants.hit_stride;
+  const uint64_t paths = pathsOf(view.settings());
   constants.hit_weight = static_cast<uint32_t>((all + paths / 2) / paths);
 }
 

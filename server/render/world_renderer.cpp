@@ -278,7 +278,7 @@ void WorldRenderer::addWorldPasses(Graph& graph) {
        {&tlas_, gpu::use::build_read},
        {&tlas_, gpu::use::build_write}},
       [this](gpu::Commands& commands) {
-        tlas_.build(commands, guided_);
+        tlas_.build(commands);
         if (!guided_) shared_blases_.readBack(commands);
       },
       gpu::Queue::async);

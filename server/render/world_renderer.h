@@ -74,6 +74,8 @@ class WorldRenderer {
   void addFeedback(Graph& graph, uint64_t tick);
   /// The requests, with the sun's shadow map where culling calls for it.
   std::vector<ViewRequest> castByMap(std::span<const ViewRequest> requests) const;
+  /// Of its tiles one in so many counts.
+  uint32_t strideOf(const ViewSettings& settings) const;
   void describeCounting(shared::FrameConstants& constants, const View& view) const;
   void addViewPasses(Graph& graph, Work& work);
   void uploadConstants(gpu::Commands& commands, View& view);
@@ -107,6 +109,7 @@ class WorldRenderer {
   bool cast_by_map_ = false;
   bool guided_ = false;  // lipac_ decides about this tick: nobody needs everything
   bool frozen_ = false;  // by what it decided before
+  bool all_count_ = false;  // every path of this tick counts whom it meets
   bool rests_ = false;   // neither the scene nor a camera moves in this tick
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;

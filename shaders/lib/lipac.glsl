@@ -96,7 +96,8 @@ uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 const uint kAllFit = 0u;
 void findRoom(out uint sure, out uint room) {
   StatusRef result = StatusRef(lipac.status);
-  room = min(lipac.capacity, lipac.counted_capacity - min(result.status.boxes, lipac.counted_capacity));
+  room = lipac.counted_capacity - min(result.status.boxes, lipac.counted_capacity);
+  if (lipac.output_ != 0ul) room = min(room, lipac.capacity);
   sure = kAllFit;
   if (result.status.wanted <= room) return;
   for (sure = kRanks; sure > 1u && result.status.ranks[sure - 1u] <= room; --sure) room -= result.status.ranks[sure - 1u];

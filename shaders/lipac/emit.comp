@@ -57,6 +57,7 @@ void main() {
   }
   const uint at = place.x + min(place.y, room);
   TlasTable(lipac.counted).items[at] = result;
+  if (lipac.output_ == 0ul) return;
   if (kind == kKindInstance) TlasTable(lipac.output_).items[at] = result;
   else TlasTable(lipac.output_).items[at].blas = 0ul;
 }

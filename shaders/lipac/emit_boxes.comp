@@ -36,5 +36,5 @@ void main() {
   }
   const LipacStatus status = StatusRef(lipac.status).status;
   if (index < lipac.counted_capacity && index >= status.entries) counted.items[index].blas = 0ul;
-  if (index < lipac.capacity && index >= status.entered) TlasTable(lipac.output_).items[index].blas = 0ul;
+  if (lipac.output_ != 0ul && index < lipac.capacity && index >= status.entered) TlasTable(lipac.output_).items[index].blas = 0ul;
 }

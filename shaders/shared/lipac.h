@@ -123,8 +123,8 @@ struct LipacTick {
   uint64_t reaches;     // uint a cell: metres beyond its sides, as a float's bits
   uint64_t entry_sums;  // uvec2 a group: entries that surely fit, entries that fit if there is room
   uint64_t box_sums;    // uint a group
-  uint64_t output_;     // TlasInstance: what has a surface
-  uint64_t counted;     // TlasInstance: the same, and boxes of instances and of cells
+  uint64_t counted;     // TlasInstance: what has a surface, and boxes of instances and of cells
+  uint64_t output_;     // TlasInstance: the same without boxes; 0: every path counts, so nobody asks for it
   uint64_t status;      // LipacStatus
   uint64_t commands;    // LipacCommand
   uint64_t patches;     // LipacPatch
@@ -136,8 +136,8 @@ struct LipacTick {
   uint grid_blocks_x;
   uint grid_blocks_z;
   uint count;     // entries of `order`
-  uint capacity;  // of `output_`
   uint counted_capacity;  // of `counted`
+  uint capacity;          // of `output_`
   uint command_capacity;
   uint patch_count;
   uint sight_count;
