@@ -270,6 +270,25 @@ TEST(Lipac, BothWaysThroughBoxesHoldTheSame) {
   EXPECT_NEAR(c.active, a.active, a.active / 5);
 }
 
+TEST(Lipac, BoxesChangeNoPicture) {
+  const scene::ScenePtr city = *scene::generateCity({1, 1'000, 100});
+  const scene::Camera camera = cameraOf(*city, "tilted_city");
+  for (const accel::BoxHits way : {accel::BoxHits::closest_hit, accel::BoxHits::any_hit}) {
+    Stage all(city), few(city);
+    render::CullingSettings settings;
+    settings.lipac.box_hits = way;
+    all.setCulling(Culling::lipac, settings);
+    settings.lipac.counted_paths = 1'296;  // three quarters are traced where there are no boxes
+    few.setCulling(Culling::lipac, settings);
+    // Until hits have been weighed both hold what is in sight.
+    const render::Frame a = all.tick(camera, small()), b = few.tick(camera, small());
+    EXPECT_GT(a.stats.lipac->active, 20u);
+    EXPECT_GT(a.stats.lipac->boxes, 20u);
+    EXPECT_EQ(bytes(a), bytes(b));
+    EXPECT_LT(a.stats.acceleration.tlas_bytes, b.stats.acceleration.tlas_bytes);
+  }
+}
+
 /// A wide wall, 10 boxes behind the camera, 25 behind the wall, each group in cells of its own; a plain under all.
 scene::ScenePtr wall(const scene::Material& material) {
   SceneBuilder builder;
