@@ -13,7 +13,6 @@ static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInst
 constexpr uint32_t kPatience = 20;
 
 constexpr const char* kSurfaces = "the TLAS instances";
-constexpr const char* kCounted = "the TLAS instances with boxes";
 
 /// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
@@ -58,7 +57,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
   reserve(commands, surfaces_, kSurfaces, count);
-  reserve(commands, counted_, kCounted, 0);
+  drop(commands, counted_);
   if (const uint64_t bytes = bucketAbove(static_cast<uint32_t>(table.records().size())) * sizeof(uint32_t);
       untraced_.size() < bytes) {
     if (untraced_) commands.retire(std::move(untraced_));
@@ -68,18 +67,19 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, const TlasRoom& room) {
-  reserve(commands, surfaces_, kSurfaces, room.surfaces);
-  reserve(commands, counted_, kCounted, room.counted);
+  if (room.surfaces > 0) reserve(commands, surfaces_, kSurfaces, room.surfaces);
+  else drop(commands, surfaces_);
+  reserve(commands, counted_, "the TLAS instances with boxes", room.counted);
+}
+
+void TlasAssembly::drop(gpu::Commands& commands, Part& part) {
+  if (part.instances) commands.retire(std::move(part.instances));
+  part = {};
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count) {
-  if (count == 0) {
-    if (part.instances) commands.retire(std::move(part.instances));
-    part = {};
-    return;
-  }
   const uint32_t capacity = bucketAbove(count + count / 8);
-  if (count <= part.capacity) {
+  if (part.instances && count <= part.capacity) {
     part.roomy_ticks = capacity < part.capacity ? part.roomy_ticks + 1 : 0;
     const bool much = 8 * part.capacity > 9 * capacity;
     if (!much && part.roomy_ticks < kPatience) return;

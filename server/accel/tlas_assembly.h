@@ -63,6 +63,7 @@ class TlasAssembly {
     uint64_t bytes() const { return instances.size() + tlas.bytes(); }
   };
   void reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count);
+  void drop(gpu::Commands& commands, Part& part);
 
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;

@@ -1,5 +1,6 @@
 #include "render/view.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "shared/raster.h"
@@ -46,6 +47,13 @@ bool isJump(const scene::Camera& from, const scene::Camera& to) {
          glm::dot(glm::normalize(from.forward), glm::normalize(to.forward)) < 0.866f;
 }
 
+/// Pixels by which a turn moves the picture's middle.
+float pixelsTurned(const scene::Camera& from, const scene::Camera& to, uint32_t height) {
+  const float cosine = glm::dot(glm::normalize(from.forward), glm::normalize(to.forward));
+  return std::acos(std::clamp(cosine, -1.0f, 1.0f)) / to.vfov * static_cast<float>(height);
+}
+
+constexpr float kQuickTurn = 4.0f;    // pixels a tick: by then they fall where they fall without our doing
 constexpr uint32_t kLog2Block = 10;   // beyond 1024 samples the next block begins
 constexpr float kAdaptation = 0.15f;  // share of the way to a new exposure, a tick
 
@@ -81,6 +89,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
                  uint64_t tick, uint32_t ray_log_stride) {
   const bool resized = !pixels || settings.width != settings_.width || settings.height != settings_.height;
   jumped_ = resized || isJump(camera_, camera);
+  const bool turns_quickly = !jumped_ && pixelsTurned(camera_, camera, settings.height) > kQuickTurn;
   const bool goes_on = !resized && !scene_changed && isAt(camera) && continues(settings_, settings);
   const bool was_accumulating = averaging();
   // Bounces more or fewer change little of the light: what looks back goes on from it.
@@ -109,7 +118,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
   still_ = goes_on && settings.accumulate && settings.mode == Mode::hybrid;
   const bool keeps = settings.mode == Mode::reference || settings.accumulate;
   if (!goes_on || !keeps || !was_accumulating) accumulated_ = 0;
-  tick_jitter_ = settings_.taa && !still_                    ? pixelPosition(tick)
+  tick_jitter_ = settings_.taa && !still_ && !turns_quickly  ? pixelPosition(tick)
                  : settings_.technique == Technique::whitted ? glm::vec2(0.5f)
                  : accumulating()                            ? pixelPosition(accumulated_)
                                                              : glm::vec2(0.5f);

@@ -130,26 +130,37 @@ bool isCutOut(Drawn d, InstanceRecord instance, vec3 weights) {
   return isCutOut(geometry, uvec3(cornerVertex(d, 0u), cornerVertex(d, 1u), cornerVertex(d, 2u)), weights);
 }
 
+ivec2 shadowTexel(ivec2 pixel) {
+  return ivec2(raster.cascade % kShadowTilesPerRow, raster.cascade / kShadowTilesPerRow) * int(raster.width) + pixel;
+}
+uint keyAt(ivec2 pixel) { return uint(pixel.y) * raster.width + uint(pixel.x); }
+uint64_t keyOf(float depth, uint id) { return uint64_t(floatBitsToUint(depth)) << 32 | uint64_t(id); }
+
+// Not in the picture's depth, or something nearer is there already: what is read late is less than what is there.
+bool isHidden(ivec2 pixel, float depth, uint id) {
+  if (!(depth > 0.0 && depth <= 1.0)) return true;
+  if (kIntoShadowMap) return imageLoad(images_r32ui[raster.image], shadowTexel(pixel)).x >= floatBitsToUint(depth);
+  return KeyTable(raster.keys).items[keyAt(pixel)] >= keyOf(depth, id);
+}
+
 void keepNearest(ivec2 pixel, float depth, uint id) {
-  if (!(depth > 0.0 && depth <= 1.0)) return;
   if (kIntoShadowMap) {
-    const ivec2 tile = ivec2(raster.cascade % kShadowTilesPerRow, raster.cascade / kShadowTilesPerRow) * int(raster.width);
-    imageAtomicMax(images_r32ui[raster.image], tile + pixel, floatBitsToUint(depth));
-    return;
+    imageAtomicMax(images_r32ui[raster.image], shadowTexel(pixel), floatBitsToUint(depth));
+  } else {
+    KeyTable keys = KeyTable(raster.keys);
+    atomicMax(keys.items[keyAt(pixel)], keyOf(depth, id));
   }
-  KeyTable keys = KeyTable(raster.keys);
-  const uint at = uint(pixel.y) * raster.width + uint(pixel.x);
-  const uint64_t key = uint64_t(floatBitsToUint(depth)) << 32 | uint64_t(id);
-  if (keys.items[at] < key) atomicMax(keys.items[at], key);  // what is read late is less than what is there
 }
 
 // What the weights on the screen say of a pixel. They sum to 1.
 void drawPixel(ivec2 pixel, vec3 w, ScreenTriangle t, uint id, Drawn d, InstanceRecord instance) {
+  const float depth = t.depth.x + w.y * (t.depth.y - t.depth.x) + w.z * (t.depth.z - t.depth.x);
+  if (isHidden(pixel, depth, id)) return;
   if (isMasked(id)) {
     const vec3 on_surface = w * t.per_w;
     if (isCutOut(d, instance, on_surface / (on_surface.x + on_surface.y + on_surface.z))) return;
   }
-  keepNearest(pixel, t.depth.x + w.y * (t.depth.y - t.depth.x) + w.z * (t.depth.z - t.depth.x), id);
+  keepNearest(pixel, depth, id);
 }
 
 // Twice the area left of the line from `a` to `b`, seen from `p`.
@@ -158,20 +169,24 @@ void drawPixel(ivec2 pixel, vec3 w, ScreenTriangle t, uint id, Drawn d, Instance
 HELIO_EDGE(int, ivec2)
 HELIO_EDGE(int64_t, i64vec2)
 
-// Draws the pixels `first`, `first` + `step`, ... of `bounds`, row by row. Int: what the edge functions of such bounds fit in.
+// Draws the pixels `first`, `first` + `step`, ... of `bounds`, row by row, by what its edge functions change from the first pixel
+// on. Int: what they fit in; factors always fit in an int.
 #define HELIO_DRAW_PIXELS(name, Int, Int2, Int3)                                                                         \
   void name(ScreenTriangle t, ivec4 bounds, uint first, uint step, uint id, Drawn d, InstanceRecord instance) {          \
     const Int2 c[3] = Int2[](Int2(t.corners[0]), Int2(t.corners[1]), Int2(t.corners[2]));                                \
     const Int area = edge(c[0], c[1], c[2]);                                                                             \
     if (area == 0) return;                                                                                               \
     const uint width = uint(bounds.z - bounds.x + 1), count = width * uint(bounds.w - bounds.y + 1);                     \
+    const ivec2 sides[3] = ivec2[](t.corners[2] - t.corners[1], t.corners[0] - t.corners[2], t.corners[1] - t.corners[0]); \
+    const int turn = area < 0 ? -1 : 1;                                                                                  \
+    const ivec3 across = -turn * ivec3(sides[0].y, sides[1].y, sides[2].y), down = turn * ivec3(sides[0].x, sides[1].x, sides[2].x); \
+    const Int2 p = Int2(bounds.xy) * (1 << kSubpixelBits);                                                               \
+    const Int3 e0 = Int(turn) * Int3(edge(c[1], c[2], p), edge(c[2], c[0], p), edge(c[0], c[1], p));                     \
     for (uint i = first; i < count; i += step) {                                                                         \
-      const ivec2 pixel = bounds.xy + ivec2(i % width, i / width);                                                       \
-      const Int2 p = Int2(pixel) * (1 << kSubpixelBits);                                                                 \
-      Int3 e = Int3(edge(c[1], c[2], p), edge(c[2], c[0], p), edge(c[0], c[1], p));                                      \
-      if (area < 0) e = -e;                                                                                              \
+      const ivec2 moved = ivec2(i % width, i / width), by = moved * (1 << kSubpixelBits);                                \
+      const Int3 e = e0 + Int3(across) * Int(by.x) + Int3(down) * Int(by.y);                                             \
       if (e.x < 0 || e.y < 0 || e.z < 0) continue;                                                                       \
-      drawPixel(pixel, vec3(e) / abs(float(area)), t, id, d, instance);                                                  \
+      drawPixel(bounds.xy + moved, vec3(e) / abs(float(area)), t, id, d, instance);                                      \
     }                                                                                                                    \
   }
 HELIO_DRAW_PIXELS(drawSmall, int, ivec2, ivec3)
@@ -207,8 +222,9 @@ void drawCrossing(CrossingTriangle t, ivec4 bounds, uint first, uint step, uint 
     if (any(lessThan(e, -t.slack))) continue;
     const float sum = e.x + e.y + e.z;
     if (!(sum > 0.0)) continue;
-    if (isMasked(id) && isCutOut(d, instance, e / sum)) continue;
-    keepNearest(pixel, sum * t.scale, id);
+    const float depth = sum * t.scale;
+    if (isHidden(pixel, depth, id) || (isMasked(id) && isCutOut(d, instance, e / sum))) continue;
+    keepNearest(pixel, depth, id);
   }
 }
 

@@ -8,8 +8,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 // Ticks in the mean at most: the history keeps 0.9. (Lipp adds a tenth of the history to the present, which would leave 82 % of
-// the variance; so it is 5 %.) Where nothing moves, and what was kept still fits, there may be more of them.
-const float kMostTicks = 10.0, kMostTicksAtRest = 32.0;
+// the variance; so it is 5 %.) Where nothing moves, and what was kept still fits, there may be more of them. The quicker
+// things move the fewer: each tick reads the mean between its pixels, and edges are where they were guessed to be.
+const float kMostTicks = 10.0, kLeastTicks = 2.0, kMostTicksAtRest = 32.0;
 const float kDeviations = 3.0;
 const float kFits = 0.02;  // relative: so much may be cut of what still fits
 
@@ -73,6 +74,7 @@ void main() {
   if (!isNumber(before)) before = vec4(0.0);
   const vec3 kept = before.rgb * history.rescale, fitting = clamp(kept, mean - reach, mean + reach);
   const bool rests = motion == vec2(0.0) && all(lessThanEqual(abs(kept - fitting), kFits * kept));
-  const float ticks = min(before.a + 1.0, rests ? kMostTicksAtRest : kMostTicks);
+  const float quick = max(kMostTicks / (1.0 + length(motion)), kLeastTicks);
+  const float ticks = min(before.a + 1.0, rests ? kMostTicksAtRest : quick);
   imageStore(images_rg32ui[taa.resolved], pixel, uvec4(packHalf4(vec4(stored(mix(fitting, here, 1.0 / ticks)), ticks)), 0u, 0u));
 }

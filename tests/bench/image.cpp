@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <numeric>
@@ -95,6 +96,8 @@ std::vector<uint8_t> differencePicture(const Image& a, const Image& b, double sc
 }
 
 Result<void> writePictures(const std::string& folder, const std::string& name, const Image& image, const Image& truth) {
+  std::error_code ignored;  // what cannot be made cannot be written to
+  std::filesystem::create_directories(folder, ignored);
   const auto write = [&](const std::string& file, const std::vector<uint8_t>& rgbx) -> Result<void> {
     const auto png = stream::encodePng({rgbx.data(), image.width, image.height});
     if (!png) return png.error();

@@ -26,6 +26,7 @@ const std::map<std::string, Setter>& setters() {
                                           {"path_launches", into(&S::path_launches)},
                                           {"sun_shadow", into(&S::sun_shadow)},
                                           {"culling_view", into(&S::culling_view)},
+                                          {"denoiser", into(&S::denoiser)},
                                           {"taa", into(&S::taa)},
                                           {"technique", into(&S::technique)},
                                           {"ambient", into(&S::ambient)},
