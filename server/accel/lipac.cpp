@@ -29,6 +29,11 @@ uint32_t powerAbove(uint32_t count, uint32_t least) {
 
 uint32_t groups(uint32_t threads) { return (threads + shared::kLipacGroup - 1) / shared::kLipacGroup; }
 
+/// States were counted in that tick: there was a feedback.
+bool isCounted(const LipacStatus& status) {
+  return std::any_of(std::begin(status.states), std::end(status.states), [](uint32_t count) { return count > 0; });
+}
+
 /// In the counters' unit.
 uint32_t threshold(float hits) {
   if (!(hits <= LipacSettings::kHighestThreshold)) return shared::kNever;
@@ -139,6 +144,7 @@ void Lipac::readCommands() {
     // Those that wanted in then, and those whose states have called for it since.
     const uint32_t called = status.states[shared::kStateOmitted] + status.states[shared::kStateRequested] +
                             status.states[shared::kStateActive];
+    if (isCounted(status)) std::copy(std::begin(status.states), std::end(status.states), states_known_.begin());
     room_known_.surfaces = std::max(status.wanted, called);
     room_known_.counted = status.boxes + room_known_.surfaces;
     const auto* commands = reinterpret_cast<const LipacCommand*>(returned.buffer.mapped() + kCommandsAt);
@@ -420,7 +426,9 @@ LipacFigures Lipac::figures() const {
   LipacFigures figures = figures_;
   const Returned& returned = returned_[(ticks_ + kDelay - 1) % kDelay];
   if (!returned.written) return figures;
-  const LipacStatus status = statusIn(returned);
+  LipacStatus status = statusIn(returned);
+  // While not every viewer has counted, or nobody does, states are what they were.
+  if (!isCounted(status)) std::copy(states_known_.begin(), states_known_.end(), std::begin(status.states));
   figures.inactive = status.states[shared::kStateInactive];
   figures.omitted = status.states[shared::kStateOmitted];
   figures.requested = status.states[shared::kStateRequested];

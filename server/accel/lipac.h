@@ -116,8 +116,9 @@ class Lipac {
 
   shared::LipacTick tick_{};
   uint32_t ticks_ = 0;
-  uint32_t resting_ = 0;        // ticks in a row in which nothing moved
-  TlasRoom room_known_;  // that was wanted kDelay ticks ago; 0: not known
+  uint32_t resting_ = 0;                                  // ticks in a row in which nothing moved
+  std::array<uint32_t, shared::kStates> states_known_{};  // of the last tick that counted them
+  TlasRoom room_known_;                                   // that was wanted kDelay ticks ago; 0: not known
   std::set<uint32_t> granted_;
   std::vector<shared::LipacCommand> asked_;  // this tick's, most hits first
   Appearance appearance_;

@@ -1,5 +1,5 @@
-// The TLAS of a world, and with light path guided culling a second one for rays that count, in which boxes stand for what
-// is culled: instances written on the GPU in Morton order, then built.
+// The TLAS of a world, and with light path guided culling a second one for rays that count, in which boxes stand for
+// what is culled: instances written on the GPU in Morton order, then built.
 #pragma once
 
 #include "accel/instance_table.h"
@@ -30,8 +30,8 @@ class TlasAssembly {
   /// next bucket above 1.125 times their instances, so that the build count changes seldom; what lies behind is null.
   /// Gives back what edits leave over, once they have been over for a while.
   void reserve(gpu::Commands& commands, const InstanceTable& table, const CullingStrategy& strategy);
-  /// The same for so many entries, which somebody else writes to surfaces() and counted(), and who is untraced to a table of
-  /// its own.
+  /// The same for so many entries, which somebody else writes to surfaces() and counted(), and who is untraced to a
+  /// table of its own.
   void reserve(gpu::Commands& commands, const TlasRoom& room);
   TlasTable surfaces() const { return surfaces_.table(); }  ///< of no capacity where the other one will do
   TlasTable counted() const { return counted_.table(); }

@@ -9,18 +9,18 @@ namespace {
 /// The passes that a sample more, or a bounce more, makes longer.
 constexpr const char* kScalingPasses[] = {"primary_traced", "path_trace", "statistics", "accumulate"};
 
-// From `helio-bench accuracy --size 1920x1080 --axis preset --runs 2 --reference-spp 256` (H200, driver 580.159.04,
-// 2026-11-23, the city by day, without TAA, levels of detail a whole pixel off): biases, variances, and times less what
-// no sample more makes longer, 3.07 ms. Of `rich` and `fine` the variance lies between their neighbours': one bright
-// path in one run made theirs 0.56 and 0.1. Of its variance SVGF knows 0.72 (tests/denoise/error_estimate_test.cpp,
-// lamp room and sunlit patch).
+// From `helio-bench accuracy --size 1920x1080 --axis preset --runs 2 --reference-spp 192` (H200, driver 580.159.04,
+// 2026-11-23, the city by day, without TAA): biases, variances, and times of the passes above. (That of `sketch` is
+// from the same command with `--set taa=1`: first of all, it met a slow clock here.) With TAA biases are a quarter of
+// these at rest, but about these in a quick flight, so it has no list of its own. Of its variance SVGF knows 0.72
+// (tests/denoise/error_estimate_test.cpp, lamp room and sunlit patch).
 constexpr double kKnown = 0.72;
 constexpr Price price(double scaling_ms, double variance, double bias) {
   return {scaling_ms, variance, kKnown * variance, bias};
 }
 const PriceList kUsual{"H200, 2026-11-23, the city by day, 1920 x 1080, at rest",
-                       {{price(6.1, 0.00052, 0.0607), price(6.4, 0.00087, 0.0455), price(7.4, 0.0013, 0.0458),
-                         price(14.7, 0.001, 0.046), price(29.7, 0.0006, 0.046), price(59.6, 0.00028, 0.0463)}}};
+                       {{price(4.65, 0.00049, 0.0576), price(6.35, 0.0008, 0.0418), price(7.29, 0.00119, 0.042),
+                         price(14.6, 0.00055, 0.0421), price(29.6, 0.00033, 0.0422), price(59.6, 0.00017, 0.0423)}}};
 
 }  // namespace
 

@@ -318,9 +318,9 @@ class Renderer {
   virtual Result<void> setCulling(WorldHandle world, Culling culling, const CullingSettings& settings);
   Result<void> setCulling(WorldHandle world, Culling culling) { return setCulling(world, culling, CullingSettings{}); }
 
-  /// Light path guided culling: states stay as they are, and nobody counts, so that one can look at them from elsewhere, or
-  /// measure what counting costs. setCulling() thaws. Errors: no such world (not_found), a renderer that knows no culling
-  /// (unsupported).
+  /// Light path guided culling: states stay as they are, and nobody counts, so that one can look at them from
+  /// elsewhere, or measure what counting costs. setCulling() thaws. Errors: no such world (not_found), a renderer that
+  /// knows no culling (unsupported).
   virtual Result<void> freezeCulling(WorldHandle world, bool frozen);
 
   /// By slot; of slots without an instance nothing is said. Reads back whole tables: for tests and benchmarks. Errors:

@@ -15,7 +15,7 @@ namespace {
 constexpr float kNearPlane = 1e-4f;  // metres; reversed float depth loses nothing by it
 // Of a pixel's width, that textures are read over where samples lie all over the pixel: together they filter.
 constexpr float kSpreadFootprint = 0.25f;
-constexpr float kWidestBuilt = 64.0f;  // metres: radius of 64 neighbours in a town
+constexpr float kWidestBuilt = 64.0f;      // metres: radius of 64 neighbours in a town
 constexpr uint32_t kMostLampsOnce = 1024;  // that a vertex looks at one by one
 
 /// Passes that measure rather than make the picture.

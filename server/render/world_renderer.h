@@ -107,10 +107,10 @@ class WorldRenderer {
   std::unique_ptr<accel::CullingStrategy> strategy_;
   std::unique_ptr<accel::Lipac> lipac_;  // null: another strategy
   bool cast_by_map_ = false;
-  bool guided_ = false;  // lipac_ decides about this tick: nobody needs everything
-  bool frozen_ = false;  // by what it decided before
+  bool guided_ = false;     // lipac_ decides about this tick: nobody needs everything
+  bool frozen_ = false;     // by what it decided before
   bool all_count_ = false;  // every path of this tick counts whom it meets
-  bool rests_ = false;   // neither the scene nor a camera moves in this tick
+  bool rests_ = false;      // neither the scene nor a camera moves in this tick
   accel::ViewerQuorum quorum_;
   accel::TlasAssembly tlas_;
   EmitterInstances emitters_;

@@ -135,7 +135,7 @@ struct LipacTick {
   int grid_z;
   uint grid_blocks_x;
   uint grid_blocks_z;
-  uint count;     // entries of `order`
+  uint count;             // entries of `order`
   uint counted_capacity;  // of `counted`
   uint capacity;          // of `output_`
   uint command_capacity;

@@ -109,7 +109,8 @@ class LipacAssembly : public LipacFixture {
     barrier();
     commands.upload<uint32_t>(lipac.words(), 0, words);
     barrier();
-    lipac.assemble(commands, capacity > 0 ? TlasTable{surfaces.address(), capacity} : TlasTable{}, {counted.address(), counted_capacity});
+    lipac.assemble(commands, capacity > 0 ? TlasTable{surfaces.address(), capacity} : TlasTable{},
+                   {counted.address(), counted_capacity});
     barrier();
     lipac.feedback(commands, false);
     submit();
@@ -138,9 +139,8 @@ class LipacAssembly : public LipacFixture {
 };
 
 TEST_F(LipacAssembly, CompactsInOrderAndDropsWhoIsHitLeast) {
-  const std::pair<uint32_t, uint32_t> rooms[] = {{4000u, 4000u}, {2000u, 2000u}, {700u, 700u},
-                                                 {64u, 64u},     {700u, 4000u},  {4000u, 700u},
-                                                 {0u, 700u}};
+  const std::pair<uint32_t, uint32_t> rooms[] = {{4000u, 4000u}, {2000u, 2000u}, {700u, 700u}, {64u, 64u},
+                                                 {700u, 4000u},  {4000u, 700u},  {0u, 700u}};
   for (const auto& [capacity, counted_capacity] : rooms) {
     SCOPED_TRACE(testing::Message() << capacity << " surfaces, " << counted_capacity << " with boxes");
     const Assembled result = assemble(capacity, counted_capacity);

@@ -22,15 +22,12 @@ constexpr const char* kNotes = R"(What is measured:
   rules to the letter; lipac_any_hit: boxes are any-hit geometry; lipac_frozen: lipac, but behind the warm-up nothing is
   counted any more and nothing changes, which shows what counting costs. distance: as many instances as lipac holds then, the
   nearest. none: nothing but what is too large to be culled; pictures must fail it.
-  Then time stands still for 36 ticks, until nothing is held for a new view's sake alone, and the pictures of all
-  strategies are averaged over the same samples: their errors are against full. Indirect light is the picture without
-  what paths of one scattering bring.
+  Then time stands still, culling is frozen, and the pictures of all strategies are averaged over the same samples: their
+  errors are against full. Indirect light is the picture without what paths of one scattering bring.
 
 Examples:
   helio-bench culling --camera animated_models --instances 2000 --animated 500 --size 160x90 --frames 5
   helio-bench culling --camera tilted_city --instances 100000 --animated 6000 --size 1920x1080 --device NVIDIA --json)";
-
-constexpr uint32_t kGuessesLast = 36;  // ticks: hits are smoothed over 16, and who leaves waits for 15 more
 
 class Contestant {
  public:
@@ -70,8 +67,6 @@ class Contestant {
     return {};
   }
 
-  const std::string& strategy() const { return strategy_; }
-  uint32_t active() const { return active_; }
   /// The nearest `count` instances from now on.
   Result<void> holdNearest(uint32_t count) {
     std::vector<float> distances;
@@ -84,18 +79,14 @@ class Contestant {
     return renderer_.setCulling(handle_, render::Culling::distance, settings);
   }
 
-  Result<void> freezeIfAsked() {
-    return strategy_ == "lipac_frozen" ? renderer_.freezeCulling(handle_, true) : Result<void>();
-  }
+  const std::string& strategy() const { return strategy_; }
+  uint32_t active() const { return active_; }
+  Result<void> freeze() { return renderer_.freezeCulling(handle_, true); }
 
   /// The mean of the options' samples while time stands, in a view of its own: all contestants draw the same samples.
+  /// Of a frozen world, so that what two pictures differ by is not what was culled in between.
   Result<Image> still(uint32_t bounces) {
     if (auto viewed = newView(); !viewed) return viewed.error();
-    // What comes into a new view's sight is in the TLAS until it turns out that no light path asks for it.
-    render::ViewSettings glance = base();
-    glance.accumulate = false;
-    for (uint32_t tick = 0; tick < kGuessesLast; ++tick)
-      if (auto frame = render(0.0, glance); !frame) return frame.error();
     render::ViewSettings settings = base();
     settings.bounces = bounces;
     settings.auto_exposure = false;
@@ -240,7 +231,8 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
         if (auto done = matchDistance(contestants); !done) return done;
       if (i == options.warmup)
         for (auto& contestant : contestants)
-          if (auto done = contestant->freezeIfAsked(); !done) return done;
+          if (contestant->strategy() == "lipac_frozen")
+            if (auto done = contestant->freeze(); !done) return done;
       for (auto& contestant : contestants)
         if (auto done = contestant->tick(kTick, i >= options.warmup); !done) return done;
     }
@@ -249,6 +241,7 @@ Result<void> measureCulling(const CullingOptions& options, const std::string& co
   {
     Progress progress("comparing pictures", contestants.size());
     for (auto& contestant : contestants) {
+      if (auto done = contestant->freeze(); !done) return done;
       auto composite = contestant->still(render::ViewSettings{}.bounces);
       if (!composite) return composite.error();
       const auto direct = contestant->still(0);
@@ -290,7 +283,8 @@ void addCullingCommand(CLI::App& app, const std::string& command_line, Action& c
   command.add_option("--strategies", options->strategies, "full, then what is compared with it; distance needs lipac")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::IsMember({"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "lipac_frozen", "none", "distance"}));
+      ->check(CLI::IsMember(
+          {"full", "frustum_radius", "lipac", "lipac_literal", "lipac_any_hit", "lipac_frozen", "none", "distance"}));
   addSettingOptions(command, options->settings);
   command.add_option("--smoothing", options->smoothing, "of lipac: ticks that hits are averaged over")
       ->capture_default_str()

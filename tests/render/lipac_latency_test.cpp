@@ -213,7 +213,7 @@ TEST(LipacLatency, WhatIsBuiltInSightIsTracedAtOnce) {
 TEST(LipacLatency, AFrozenWorldStaysAsItIs) {
   Stage stage(town());
   stage.setCulling(Culling::lipac);
-  (void)stage.accumulate(cameraOf(*town(), "animated_models"), small(), 30);
+  const render::Frame settled = stage.accumulate(cameraOf(*town(), "animated_models"), small(), 30);
   const auto states = [&] {
     std::vector<uint32_t> result;
     for (const render::CulledInstance& instance : instances(stage.handle())) result.push_back(instance.state);
@@ -225,6 +225,7 @@ TEST(LipacLatency, AFrozenWorldStaysAsItIs) {
   for (int tick = 0; tick < 24; ++tick) {
     const render::Frame frame = stage.tick(elsewhere, small());
     EXPECT_EQ(frame.stats.lipac->changes + frame.stats.lipac->opened + frame.stats.lipac->box_hits, 0u) << tick;
+    EXPECT_EQ(frame.stats.lipac->active, settled.stats.lipac->active) << tick;
   }
   EXPECT_EQ(states(), before);
   ASSERT_TRUE(renderer().freezeCulling(stage.handle(), false).ok());

@@ -50,8 +50,7 @@ float clearAhead(const scene::Camera& camera, float aspect, float roof) {
   if (!(height > 0.0f) || !std::isfinite(height)) return 0.0f;
   const CameraFrame frame = cameraFrame(camera);
   // A metre along the axis, the steepest corner of the picture sinks so many.
-  const float sinks =
-      -frame.forward.y + frame.tangent * (std::abs(frame.up.y) + aspect * std::abs(frame.right.y));
+  const float sinks = -frame.forward.y + frame.tangent * (std::abs(frame.up.y) + aspect * std::abs(frame.right.y));
   return sinks > 0.0f ? height / sinks : 0.0f;
 }
 
@@ -93,8 +92,8 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
   View& view = pass.view;
   const ViewSettings& settings = view.settings();
   const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
-  shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size,
-                                         clearAhead(view.camera(), aspect, roof));
+  shared::ShadowMap map =
+      shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size, clearAhead(view.camera(), aspect, roof));
   map.image = view.shadow_image.slot();
   map.bits = view.computesShadows();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};

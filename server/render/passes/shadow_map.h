@@ -16,9 +16,9 @@ inline bool usesShadowMap(const ViewSettings& settings, effects::EffectSet effec
 /// picture. `roof`: hardly anything stands higher.
 float clearAhead(const scene::Camera& camera, float aspect, float roof);
 
-/// Cascades for a camera that sees nothing before `clear` metres: the smallest as wide as the picture is there, at least
-/// 24 m to each side, and mostly behind that distance; the last around all of `world`; between them in equal ratios.
-/// `to_sun`: unit. `tile`: texels along a side.
+/// Cascades for a camera that sees nothing before `clear` metres: the smallest as wide as the picture is there, at
+/// least 24 m to each side, and mostly behind that distance; the last around all of `world`; between them in equal
+/// ratios. `to_sun`: unit. `tile`: texels along a side.
 shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& to_sun, const accel::OrderBlock& world,
                                  uint32_t tile, float clear = 0.0f);
 
