@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "effects/ggx_albedo.h"
 #include "render/camera_frame.h"
@@ -15,7 +14,6 @@ namespace {
 constexpr float kNearPlane = 1e-4f;  // metres; reversed float depth loses nothing by it
 // Of a pixel's width, that textures are read over where samples lie all over the pixel: together they filter.
 constexpr float kSpreadFootprint = 0.25f;
-constexpr float kWidestBuilt = 64.0f;      // metres: radius of 64 neighbours in a town
 constexpr uint32_t kMostLampsOnce = 1024;  // that a vertex looks at one by one
 
 /// Passes that measure rather than make the picture.
@@ -365,18 +363,14 @@ void WorldRenderer::addRasterPasses(const ViewPass& pass, const glm::vec2& jitte
   if (!usesShadowMap(settings, effects_)) return;
   accel::OrderBlock world;
   scene::Aabb bounds;
-  float roof = -std::numeric_limits<float>::infinity();
-  for (const accel::OrderBlock& block : instances_.blocks()) {
+  for (const accel::OrderBlock& block : instances_.blocks())
     bounds.grow({block.centre - block.radius, block.centre + block.radius});
-    // What is wider is ground, or scattered.
-    if (block.radius >= 0.0f && block.radius <= kWidestBuilt) roof = std::max(roof, block.centre.y + block.radius);
-  }
   if (!bounds.empty()) world = {bounds.centre(), 0.5f * glm::length(bounds.extent())};
   // In the place of rays the map has everything; together with them it has what they do not meet.
   ShadowCasters casters;
   if (settings.sun_shadow == SunShadow::rays_and_map)
     casters = guided_ ? ShadowCasters{&lipac_->untraced(), &lipac_} : ShadowCasters{&tlas_.untraced(), pass.tlas};
-  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world, roof, casters);
+  passes_.shadow_map.add(pass, raster, -glm::normalize(environment_.sun.direction), world, casters);
 }
 
 void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {

@@ -142,40 +142,5 @@ TEST(ShadowMap, CascadesGrowHoldTheirPlaceAndReachTheWholeWorld) {
   }
 }
 
-TEST(ShadowMap, CascadesLieWhereACameraAboveAllRoofsSeesSomething) {
-  const glm::vec3 to_sun = glm::normalize(glm::vec3(0.3f, 0.8f, -0.2f));
-  const accel::OrderBlock world{{0.0f, 0.0f, 0.0f}, 2000.0f};
-  constexpr float kAspect = 16.0f / 9.0f, kRoof = 30.0f;
-  const scene::Camera above = lookAt({0, 730.0f, 400.0f}, {0, 0, 0}, 0.7f);
-  const float clear = render::clearAhead(above, kAspect, kRoof);
-  // No corner of the picture sees a roof before that, and one does soon after.
-  float lowest = 1e9f;
-  const glm::vec3 forward = glm::normalize(above.forward), right = glm::normalize(glm::cross(forward, above.up)),
-                  up = glm::cross(right, forward);
-  const float tangent = std::tan(0.35f);
-  for (const float x : {-kAspect, kAspect})
-    for (const float y : {-1.0f, 1.0f})
-      lowest = std::min(lowest, (above.position + clear * (forward + tangent * (x * right + y * up))).y);
-  EXPECT_NEAR(lowest, kRoof, 0.1f);
-
-  const shared::ShadowMap fitted = render::shadowCascades(above, to_sun, world, 1024, clear),
-                          usual = render::shadowCascades(above, to_sun, world, 1024);
-  const auto texelAt = [&](const shared::ShadowMap& map, const glm::vec3& place) {
-    for (const shared::ShadowCascade& cascade : map.cascades) {
-      const glm::vec3 off = place - cascade.centre;
-      if (std::max(std::abs(glm::dot(off, map.right)), std::abs(glm::dot(off, map.up))) < cascade.half_width)
-        return 2.0f * cascade.half_width / 1024.0f;
-    }
-    return 1e9f;
-  };
-  EXPECT_LT(texelAt(fitted, {0, 0, 0}), 0.6f * texelAt(usual, {0, 0, 0}));
-  EXPECT_EQ(fitted.cascades[3].half_width, usual.cascades[3].half_width);
-
-  // Among roofs, where there are none, and where it looks up, all is as ever.
-  EXPECT_EQ(render::clearAhead(above, kAspect, 800.0f), 0.0f);
-  EXPECT_EQ(render::clearAhead(above, kAspect, -std::numeric_limits<float>::infinity()), 0.0f);
-  EXPECT_EQ(render::clearAhead(lookAt({0, 100.0f, 0}, {0, 200.0f, -50.0f}, 0.7f), kAspect, kRoof), 0.0f);
-}
-
 }  // namespace
 }  // namespace helio::test

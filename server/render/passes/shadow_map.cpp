@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/camera_frame.h"
-
 namespace helio::render {
 namespace {
 
 constexpr float kNearest = 24.0f;                            // metres: half the side of the first cascade
-constexpr float kAhead = 0.6f;                               // of that, from where something is seen to its centre
-constexpr float kWidening = 0.75f;                           // half the width of a wide picture, a metre of distance
+constexpr float kAhead = 0.6f;                               // of that, from the camera to its centre
 constexpr float kTexelsOff = 3.0f;                           // that a level of detail may differ from the finest
 constexpr float kLeastTexels = 1.0f;                         // what is smaller is left out
 constexpr float kFinerTexels = 4.0f, kCoarserTexels = 3.0f;  // of the lookups' edge, lift and filter
@@ -45,17 +42,8 @@ shared::DrawVolume casters(const shared::ShadowMap& map, uint32_t c, bool levels
 
 }  // namespace
 
-float clearAhead(const scene::Camera& camera, float aspect, float roof) {
-  const float height = camera.position.y - roof;
-  if (!(height > 0.0f) || !std::isfinite(height)) return 0.0f;
-  const CameraFrame frame = cameraFrame(camera);
-  // A metre along the axis, the steepest corner of the picture sinks so many.
-  const float sinks = -frame.forward.y + frame.tangent * (std::abs(frame.up.y) + aspect * std::abs(frame.right.y));
-  return sinks > 0.0f ? height / sinks : 0.0f;
-}
-
 shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& to_sun, const accel::OrderBlock& world,
-                                 uint32_t tile, float clear) {
+                                 uint32_t tile) {
   shared::ShadowMap map{};
   map.to_sun = to_sun;
   const glm::vec3 aside = std::abs(to_sun.y) < 0.99f ? glm::vec3(0.0f, 1.0f, 0.0f) : glm::vec3(1.0f, 0.0f, 0.0f);
@@ -63,16 +51,13 @@ shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& t
   map.up = glm::cross(to_sun, map.right);
   map.tile = tile;
   const float largest = roundedUp(std::max(world.radius * 1.02f, 2.0f * kNearest));
-  // In steps, so that a camera that rises a little does not move its shadows either.
-  const float smallest = std::min(std::max(kNearest, roundedUp(std::max(kWidening * clear, 1.0f))), largest);
   const glm::vec3 forward = glm::normalize(camera.forward);
   float farthest = 0.0f;
   for (uint32_t c = 0; c < shared::kShadowCascades; ++c) {
     shared::ShadowCascade& cascade = map.cascades[c];
     const bool whole_world = c + 1 == shared::kShadowCascades;
-    cascade.half_width = smallest * std::pow(largest / smallest, static_cast<float>(c) / (shared::kShadowCascades - 1));
-    const glm::vec3 centre =
-        whole_world ? world.centre : camera.position + forward * (clear + kAhead * cascade.half_width);
+    cascade.half_width = kNearest * std::pow(largest / kNearest, static_cast<float>(c) / (shared::kShadowCascades - 1));
+    const glm::vec3 centre = whole_world ? world.centre : camera.position + forward * (kAhead * cascade.half_width);
     const float texel = 2.0f * cascade.half_width / static_cast<float>(tile);
     const auto snapped = [&](const glm::vec3& axis) { return texel * std::floor(glm::dot(centre, axis) / texel); };
     cascade.centre = map.right * snapped(map.right) + map.up * snapped(map.up) + to_sun * glm::dot(centre, to_sun);
@@ -88,12 +73,10 @@ ShadowMapPass::ShadowMapPass(gpu::Device& device)
       compute_(device, RasterTarget::shadow_map) {}
 
 void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun,
-                        const accel::OrderBlock& world, float roof, const ShadowCasters& only) const {
+                        const accel::OrderBlock& world, const ShadowCasters& only) const {
   View& view = pass.view;
   const ViewSettings& settings = view.settings();
-  const float aspect = static_cast<float>(settings.width) / static_cast<float>(settings.height);
-  shared::ShadowMap map =
-      shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size, clearAhead(view.camera(), aspect, roof));
+  shared::ShadowMap map = shadowCascades(view.camera(), to_sun, world, settings.shadow_map_size);
   map.image = view.shadow_image.slot();
   map.bits = view.computesShadows();
   std::array<shared::DrawVolume, shared::kShadowCascades> volumes{};

@@ -12,15 +12,10 @@ inline bool usesShadowMap(const ViewSettings& settings, effects::EffectSet effec
   return settings.sun_shadow != SunShadow::rays && settings.mode == Mode::hybrid && effects.has(effects::Effect::sun);
 }
 
-/// Metres that a camera above all roofs looks along its axis until it may see something; 0 among them. `aspect`: of the
-/// picture. `roof`: hardly anything stands higher.
-float clearAhead(const scene::Camera& camera, float aspect, float roof);
-
-/// Cascades for a camera that sees nothing before `clear` metres: the smallest as wide as the picture is there, at
-/// least 24 m to each side, and mostly behind that distance; the last around all of `world`; between them in equal
-/// ratios. `to_sun`: unit. `tile`: texels along a side.
+/// Cascades for a camera: the smallest 24 m to each side and mostly before it, the last around all of `world`, between
+/// them in equal ratios. `to_sun`: unit. `tile`: texels along a side.
 shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& to_sun, const accel::OrderBlock& world,
-                                 uint32_t tile, float clear = 0.0f);
+                                 uint32_t tile);
 
 /// Whom a shadow map draws.
 struct ShadowCasters {
@@ -32,7 +27,7 @@ class ShadowMapPass {
  public:
   explicit ShadowMapPass(gpu::Device& device);
   void add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun, const accel::OrderBlock& world,
-           float roof, const ShadowCasters& only) const;
+           const ShadowCasters& only) const;
 
  private:
   void draw(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const;
