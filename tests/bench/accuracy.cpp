@@ -33,7 +33,8 @@ Examples:
   helio-bench accuracy --size 160x90 --axis spp --axis denoiser
   helio-bench accuracy --scene cornell.gltf --size 1920x1080 --runs 16 --motion fly --json)";
 
-constexpr uint32_t kSettlingTicks = 20, kTimedTicks = 16;
+constexpr uint32_t kSettlingTicks = 60, kTimedTicks = 16;
+constexpr uint32_t kTicksUntilCulled = 64;  // light path guided culling: guesses are gone, and hits averaged
 constexpr uint32_t kSamplesForExposure = 16;
 
 /// What all settings are measured against.
@@ -157,11 +158,18 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
   if (auto lit = (*viewed)->setLight(camera.environment); !lit) return lit.error();
   if (setting.culling)
     if (auto set = renderer.setCulling((*viewed)->handle(), *setting.culling); !set) return set.error();
+  const bool guided = setting.culling == render::Culling::lipac;
   render::ViewSettings view = setting.view;
   view.exposure_ev = reference.exposure_ev;
   // Another light transport forgets all history, while random numbers go on.
   render::ViewSettings forgetful = view;
   forgetful.round_surfaces = !view.round_surfaces;
+
+  if (guided) {
+    for (uint32_t tick = 0; tick < kTicksUntilCulled; ++tick)
+      if (auto shown = (*viewed)->tick(camera.camera, view, 0.0); !shown) return shown.error();
+    if (auto frozen = renderer.freezeCulling((*viewed)->handle(), true); !frozen) return frozen.error();
+  }
 
   AccuracyPoint point{setting.axis, setting.name};
   Times times;
@@ -205,6 +213,8 @@ Result<AccuracyPoint> measureSetting(render::Renderer& renderer, const scene::Sc
     point.picture_png = std::move(*picture);
     point.error_png = std::move(*error);
   }
+  if (guided)
+    if (auto thawed = renderer.freezeCulling((*viewed)->handle(), false); !thawed) return thawed.error();
   // Times are of ticks without work between them: a GPU that waits while pictures are compared slows its clock.
   const uint32_t settling = renderer.device().cpu ? 1 : kSettlingTicks, timed = std::max(options.frames, kTimedTicks);
   for (uint32_t tick = 0; tick < settling + timed; ++tick) {
