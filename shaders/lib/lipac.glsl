@@ -92,7 +92,8 @@ uint cellOf(uint entry) { return entry & kNoCell; }
 uint rankOf(uint entry) { return entry >> kRankShift & kRankMost; }
 uint kindOf(uint entry) { return entry >> kKindShift & 3u; }
 
-// What takes a place in the one table takes the same in the other; cells' boxes leave the room that there is. Ranks from `sure` on fit for sure, those of the rank below as far as `room` goes.
+// What takes a place in the one table takes the same in the other, behind them come cells' boxes, which all find room. Ranks from
+// `sure` on fit for sure, those of the rank below as far as `room` goes.
 const uint kAllFit = 0u;
 void findRoom(out uint sure, out uint room) {
   StatusRef result = StatusRef(lipac.status);

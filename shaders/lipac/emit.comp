@@ -1,8 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // Writes the TLAS instances of what is active, omitted and requested, in the order's order: a TLAS built in random order
-// traces 40 times slower on lavapipe. Of the two TLASes one has no boxes: null references
-// are in their places.
+// traces 40 times slower on lavapipe. Of the two TLASes one has no boxes: null references are in their places.
 #include "lib/lipac_instance.glsl"
 
 layout(local_size_x = kLipacGroup) in;
