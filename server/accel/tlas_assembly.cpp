@@ -12,8 +12,6 @@ static_assert(sizeof(shared::TlasInstance) == sizeof(VkAccelerationStructureInst
 /// Ticks for which a smaller bucket must do before a little is given back; much is given back at once.
 constexpr uint32_t kPatience = 20;
 
-constexpr const char* kSurfaces = "the TLAS instances";
-
 /// Buckets are 1/16 to 1/8 of the count apart.
 uint32_t bucketAbove(uint32_t count) {
   uint32_t step = 64;
@@ -56,7 +54,7 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
   }
   const auto count = static_cast<uint32_t>(
       std::min(chosen_.size() * shared::kOrderBlock, gpu::alignUp(table.order().size(), size_t{shared::kOrderBlock})));
-  reserve(commands, surfaces_, kSurfaces, count);
+  reserve(commands, surfaces_, count);
   drop(commands, counted_);
   if (const uint64_t bytes = bucketAbove(static_cast<uint32_t>(table.records().size())) * sizeof(uint32_t);
       untraced_.size() < bytes) {
@@ -67,17 +65,17 @@ void TlasAssembly::reserve(gpu::Commands& commands, const InstanceTable& table, 
 }
 
 void TlasAssembly::reserve(gpu::Commands& commands, const TlasRoom& room) {
-  if (room.surfaces > 0) reserve(commands, surfaces_, kSurfaces, room.surfaces);
+  if (room.surfaces > 0) reserve(commands, surfaces_, room.surfaces);
   else drop(commands, surfaces_);
-  reserve(commands, counted_, "the TLAS instances with boxes", room.counted);
+  reserve(commands, counted_, room.counted);
 }
 
 void TlasAssembly::drop(gpu::Commands& commands, Part& part) {
   if (part.instances) commands.retire(std::move(part.instances));
-  part = {};
+  part = {part.name};
 }
 
-void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count) {
+void TlasAssembly::reserve(gpu::Commands& commands, Part& part, uint32_t count) {
   const uint32_t capacity = bucketAbove(count + count / 8);
   if (part.instances && count <= part.capacity) {
     part.roomy_ticks = capacity < part.capacity ? part.roomy_ticks + 1 : 0;
@@ -85,9 +83,9 @@ void TlasAssembly::reserve(gpu::Commands& commands, Part& part, const char* name
     if (!much && part.roomy_ticks < kPatience) return;
   }
   part.roomy_ticks = 0;
-  gpu::Buffer instances(
-      device_, {name, capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing, gpu::Placement::device,
-                VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
+  gpu::Buffer instances(device_,
+                        {part.name, capacity * sizeof(shared::TlasInstance), gpu::MemoryCategory::ray_tracing,
+                         gpu::Placement::device, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_BUILD_INPUT_READ_ONLY_BIT_KHR});
   if (part.instances) commands.retire(std::move(part.instances));
   part.instances = std::move(instances);
   part.capacity = capacity;

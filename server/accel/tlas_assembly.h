@@ -54,6 +54,7 @@ class TlasAssembly {
 
  private:
   struct Part {
+    const char* name;
     gpu::Buffer instances;
     gpu::Tlas tlas;
     uint32_t capacity = 0;
@@ -62,13 +63,13 @@ class TlasAssembly {
     TlasTable table() const { return {instances ? instances.address() : 0, capacity}; }
     uint64_t bytes() const { return instances.size() + tlas.bytes(); }
   };
-  void reserve(gpu::Commands& commands, Part& part, const char* name, uint32_t count);
+  void reserve(gpu::Commands& commands, Part& part, uint32_t count);
   void drop(gpu::Commands& commands, Part& part);
 
   gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
   gpu::Buffer spheres_, chosen_buffer_, volume_buffer_, counter_, counter_readback_, untraced_;
-  Part surfaces_, counted_;
+  Part surfaces_{"the TLAS instances"}, counted_{"the TLAS instances with boxes"};
   std::vector<uint32_t> chosen_;  // blocks, ascending
   bool all_blocks_ = true;
   std::vector<shared::CullVolume> volumes_;

@@ -11,9 +11,9 @@ constexpr const char* kScalingPasses[] = {"primary_traced", "path_trace", "stati
 
 // From `helio-bench accuracy --size 1920x1080 --axis preset --runs 2 --reference-spp 192` (H200, driver 580.159.04,
 // 2026-11-23, the city by day, without TAA): biases, variances, and times of the passes above. (That of `sketch` is
-// from the same command with `--set taa=1`: first of all, it met a slow clock here.) With TAA biases are a quarter of
-// these at rest, but about these in a quick flight, so it has no list of its own. Of its variance SVGF knows 0.72
-// (tests/denoise/error_estimate_test.cpp, lamp room and sunlit patch).
+// from the same command with `--set taa=1`: as the first setting of this run it met a slow clock.) With TAA biases are
+// a quarter of these at rest, but about these in a quick flight, so it has no list of its own. Of its variance SVGF
+// knows 0.72 (tests/denoise/error_estimate_test.cpp, lamp room and sunlit patch).
 constexpr double kKnown = 0.72;
 constexpr Price price(double scaling_ms, double variance, double bias) {
   return {scaling_ms, variance, kKnown * variance, bias};
