@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/passes/compute_raster.h"
 #include "shared/raster.h"
 #include "shared/shadow_map.h"
 
@@ -141,14 +142,16 @@ void View::makeRasterTargets(gpu::Commands& commands) {
   if (!primary || computesPrimary()) depth = {};
   if (!primary || !computesPrimary()) keys = {};
   const uint64_t shadow_side = uint64_t{shared::kShadowTilesPerRow} * settings_.shadow_map_size;
-  const uint64_t tiles =
-      std::max(primary && computesPrimary() ? texels / shared::kPixelsATile : 0,
-               shadows && computesShadows() ? shadow_side * shadow_side / shared::kShadowTexelsATile : 0);
-  if (tiles == 0) raster_tiles = {};
-  else if (const uint64_t bytes =
-               shared::kShadowCascades * sizeof(shared::RasterTileCount) + tiles * sizeof(shared::RasterTile);
-           raster_tiles.size() != bytes)
-    raster_tiles = gpu::Buffer(*device_, {"tiles of large triangles", bytes, gpu::MemoryCategory::raster});
+  uint64_t working = 0;
+  if (primary && computesPrimary())
+    working = ComputeRaster::workingBytes(1, settings_.width, settings_.height, texels / shared::kPixelsAPart);
+  if (shadows && computesShadows())
+    working = std::max(working, ComputeRaster::workingBytes(shared::kShadowCascades, settings_.shadow_map_size,
+                                                            settings_.shadow_map_size,
+                                                            shadow_side * shadow_side / shared::kShadowTexelsAPart));
+  if (working == 0) raster_parts = {};
+  else if (raster_parts.size() != working)
+    raster_parts = gpu::Buffer(*device_, {"parts of large triangles", working, gpu::MemoryCategory::raster});
   if (primary && computesPrimary() && keys.size() != texels * sizeof(uint64_t))
     keys = gpu::Buffer(*device_, {"who is nearest", texels * sizeof(uint64_t), gpu::MemoryCategory::raster});
   if (primary && !computesPrimary() && !depth) {

@@ -44,7 +44,7 @@ class View {
   gpu::Buffer constants, state, pixels, ray_log;
   // Of the rasteriser: by the graphics pipeline, or by compute shaders (shared/raster.h).
   gpu::Image depth;
-  gpu::Buffer keys, raster_tiles;
+  gpu::Buffer keys, raster_parts;
   DrawLists draws;
   // With a shadow map of the sun.
   gpu::Image shadow_image;

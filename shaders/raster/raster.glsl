@@ -23,10 +23,11 @@ layout(constant_id = 60) const bool kIntoShadowMap = false;
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CommandTable { DrawCommand items[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer CountRef { DrawCounts counts; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer KeyTable { uint64_t items[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileCountRef { RasterTileCount count; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer TileTable { RasterTile items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer CounterTable { uint items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PartTable { RasterPart items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ShareTable { RasterShare items[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer RasterCountsRef { RasterCounts counts; };
 
-const uint64_t kTilesAt = 4ul;  // behind RasterTileCount
 const float kSubpixels = float(1u << kSubpixelBits);
 const float kFarthestCorner = 4.0e6;     // pixels: beyond it a corner has no place on the lattice
 const float kCrossingTolerance = 1.0 / kSubpixels;  // pixels: twice as far as rounding moves a corner along an axis
@@ -116,6 +117,12 @@ bool placeOnScreen(vec4 clip[3], out ScreenTriangle t) {
   return true;
 }
 
+// In 1/256 pixel, along the rows or the columns.
+int longestSide(ScreenTriangle t) {
+  const ivec2 reach = max(max(t.corners[0], t.corners[1]), t.corners[2]) - min(min(t.corners[0], t.corners[1]), t.corners[2]);
+  return max(reach.x, reach.y);
+}
+
 // Its pixels: the first and the last of each row and column. Empty: the last before the first.
 ivec4 pixelBounds(ScreenTriangle t) {
   const ivec2 low = min(min(t.corners[0], t.corners[1]), t.corners[2]), high = max(max(t.corners[0], t.corners[1]), t.corners[2]);
@@ -143,24 +150,26 @@ bool isHidden(ivec2 pixel, float depth, uint id) {
   return KeyTable(raster.keys).items[keyAt(pixel)] >= keyOf(depth, id);
 }
 
-void keepNearest(ivec2 pixel, float depth, uint id) {
+void keepKey(ivec2 pixel, uint64_t key) {
   if (kIntoShadowMap) {
-    imageAtomicMax(images_r32ui[raster.image], shadowTexel(pixel), floatBitsToUint(depth));
+    imageAtomicMax(images_r32ui[raster.image], shadowTexel(pixel), uint(key >> 32));
   } else {
     KeyTable keys = KeyTable(raster.keys);
-    atomicMax(keys.items[keyAt(pixel)], keyOf(depth, id));
+    atomicMax(keys.items[keyAt(pixel)], key);
   }
 }
+void keepNearest(ivec2 pixel, float depth, uint id) { keepKey(pixel, keyOf(depth, id)); }
 
-// What the weights on the screen say of a pixel. They sum to 1.
+// By weights of the corners on the screen. They sum to 1.
+float depthOf(vec3 depth, vec3 w) { return depth.x + w.y * (depth.y - depth.x) + w.z * (depth.z - depth.x); }
+bool isCutOut(Drawn d, InstanceRecord instance, vec3 w, vec3 per_w) {
+  const vec3 on_surface = w * per_w;
+  return isCutOut(d, instance, on_surface / (on_surface.x + on_surface.y + on_surface.z));
+}
+
 void drawPixel(ivec2 pixel, vec3 w, ScreenTriangle t, uint id, Drawn d, InstanceRecord instance) {
-  const float depth = t.depth.x + w.y * (t.depth.y - t.depth.x) + w.z * (t.depth.z - t.depth.x);
-  if (isHidden(pixel, depth, id)) return;
-  if (isMasked(id)) {
-    const vec3 on_surface = w * t.per_w;
-    if (isCutOut(d, instance, on_surface / (on_surface.x + on_surface.y + on_surface.z))) return;
-  }
-  keepNearest(pixel, depth, id);
+  const float depth = depthOf(t.depth, w);
+  if (!isHidden(pixel, depth, id) && !(isMasked(id) && isCutOut(d, instance, w, t.per_w))) keepNearest(pixel, depth, id);
 }
 
 // Twice the area left of the line from `a` to `b`, seen from `p`.
@@ -169,28 +178,35 @@ void drawPixel(ivec2 pixel, vec3 w, ScreenTriangle t, uint id, Drawn d, Instance
 HELIO_EDGE(int, ivec2)
 HELIO_EDGE(int64_t, i64vec2)
 
-// Draws the pixels `first`, `first` + `step`, ... of `bounds`, row by row, by what its edge functions change from the first pixel
-// on. Int: what they fit in; factors always fit in an int.
-#define HELIO_DRAW_PIXELS(name, Int, Int2, Int3)                                                                         \
-  void name(ScreenTriangle t, ivec4 bounds, uint first, uint step, uint id, Drawn d, InstanceRecord instance) {          \
+// Edge functions: at a pixel, none of them negative within the triangle, and what they change by from pixel to pixel. Int: what they
+// fit in; factors always fit in an int.
+#define HELIO_EDGES(Edges, Int, Int2, Int3)                                                                              \
+  struct Edges {                                                                                                         \
+    Int3 at;                                                                                                             \
+    Int3 across, down;                                                                                                   \
+    float area;  /* their sum; 0: no pixel */                                                                            \
+  };                                                                                                                     \
+  Edges edgesAt(ScreenTriangle t, Int2 pixel) {                                                                          \
     const Int2 c[3] = Int2[](Int2(t.corners[0]), Int2(t.corners[1]), Int2(t.corners[2]));                                \
-    const Int area = edge(c[0], c[1], c[2]);                                                                             \
-    if (area == 0) return;                                                                                               \
-    const uint width = uint(bounds.z - bounds.x + 1), count = width * uint(bounds.w - bounds.y + 1);                     \
-    const ivec2 sides[3] = ivec2[](t.corners[2] - t.corners[1], t.corners[0] - t.corners[2], t.corners[1] - t.corners[0]); \
-    const int turn = area < 0 ? -1 : 1;                                                                                  \
-    const ivec3 across = -turn * ivec3(sides[0].y, sides[1].y, sides[2].y), down = turn * ivec3(sides[0].x, sides[1].x, sides[2].x); \
-    const Int2 p = Int2(bounds.xy) * (1 << kSubpixelBits);                                                               \
-    const Int3 e0 = Int(turn) * Int3(edge(c[1], c[2], p), edge(c[2], c[0], p), edge(c[0], c[1], p));                     \
-    for (uint i = first; i < count; i += step) {                                                                         \
-      const ivec2 moved = ivec2(i % width, i / width), by = moved * (1 << kSubpixelBits);                                \
-      const Int3 e = e0 + Int3(across) * Int(by.x) + Int3(down) * Int(by.y);                                             \
-      if (e.x < 0 || e.y < 0 || e.z < 0) continue;                                                                       \
-      drawPixel(bounds.xy + moved, vec3(e) / abs(float(area)), t, id, d, instance);                                      \
+    const Int area = edge(c[0], c[1], c[2]), turn = area < 0 ? -1 : 1, step = turn * (1 << kSubpixelBits);               \
+    const Int2 p = pixel * (1 << kSubpixelBits);                                                                         \
+    Edges e;                                                                                                             \
+    e.at = turn * Int3(edge(c[1], c[2], p), edge(c[2], c[0], p), edge(c[0], c[1], p));                                   \
+    e.across = -step * Int3(c[2].y - c[1].y, c[0].y - c[2].y, c[1].y - c[0].y);                                          \
+    e.down = step * Int3(c[2].x - c[1].x, c[0].x - c[2].x, c[1].x - c[0].x);                                             \
+    e.area = abs(float(area));                                                                                           \
+    return e;                                                                                                            \
+  }                                                                                                                      \
+  void draw(ScreenTriangle t, ivec4 bounds, Edges edges, uint id, Drawn d, InstanceRecord instance) {                    \
+    if (edges.area == 0.0) return;                                                                                       \
+    for (int y = bounds.y; y <= bounds.w; ++y, edges.at += edges.down) {                                                 \
+      Int3 e = edges.at;                                                                                                 \
+      for (int x = bounds.x; x <= bounds.z; ++x, e += edges.across)                                                      \
+        if (e.x >= 0 && e.y >= 0 && e.z >= 0) drawPixel(ivec2(x, y), vec3(e) / edges.area, t, id, d, instance);          \
     }                                                                                                                    \
   }
-HELIO_DRAW_PIXELS(drawSmall, int, ivec2, ivec3)
-HELIO_DRAW_PIXELS(drawLarge, int64_t, i64vec2, i64vec3)
+HELIO_EDGES(SmallEdges, int, ivec2, ivec3)
+HELIO_EDGES(LargeEdges, int64_t, i64vec2, i64vec3)
 
 // ---- What reaches behind the eye: homogeneous edge functions [Olano, Greer 1997] ----
 
@@ -214,18 +230,24 @@ CrossingTriangle crossingTriangle(vec4 clip[3]) {
   return t;
 }
 
-void drawCrossing(CrossingTriangle t, ivec4 bounds, uint first, uint step, uint id, Drawn d, InstanceRecord instance) {
-  const uint width = uint(bounds.z - bounds.x + 1), count = width * uint(bounds.w - bounds.y + 1);
-  for (uint i = first; i < count; i += step) {
-    const ivec2 pixel = bounds.xy + ivec2(i % width, i / width);
-    const vec3 p = vec3(pixel, 1.0), e = vec3(dot(t.edges[0], p), dot(t.edges[1], p), dot(t.edges[2], p));
-    if (any(lessThan(e, -t.slack))) continue;
-    const float sum = e.x + e.y + e.z;
-    if (!(sum > 0.0)) continue;
-    const float depth = sum * t.scale;
-    if (isHidden(pixel, depth, id) || (isMasked(id) && isCutOut(d, instance, e / sum))) continue;
-    keepNearest(pixel, depth, id);
-  }
+// False: the pixel is not in it. `w`: weights on the surface.
+bool hasPixel(CrossingTriangle t, ivec2 pixel, out vec3 w, out float depth) {
+  const vec3 p = vec3(pixel, 1.0), e = vec3(dot(t.edges[0], p), dot(t.edges[1], p), dot(t.edges[2], p));
+  const float sum = e.x + e.y + e.z;
+  w = e / sum;
+  depth = sum * t.scale;
+  return all(greaterThanEqual(e, -t.slack)) && sum > 0.0;
+}
+
+void draw(CrossingTriangle t, ivec4 bounds, uint id, Drawn d, InstanceRecord instance) {
+  vec3 w;
+  float depth;
+  for (int y = bounds.y; y <= bounds.w; ++y)
+    for (int x = bounds.x; x <= bounds.z; ++x) {
+      const ivec2 pixel = ivec2(x, y);
+      if (hasPixel(t, pixel, w, depth) && !isHidden(pixel, depth, id) && !(isMasked(id) && isCutOut(d, instance, w)))
+        keepNearest(pixel, depth, id);
+    }
 }
 
 // ---- Tiles of the picture ----
@@ -235,5 +257,21 @@ ivec4 tilePixels(ivec2 tile) {
   const ivec2 low = tile << int(kTileBits);
   return ivec4(low, min(low + (1 << kTileBits), ivec2(raster.width, raster.height)) - 1);
 }
+
+uint tilesOfAVolume() { return uint(tilesAcross().x * tilesAcross().y); }
+uint allTiles() { return kIntoShadowMap ? kShadowCascades * tilesOfAVolume() : tilesOfAVolume(); }
+
+// Working memory (shared/raster.h).
+RasterCountsRef rasterCounts() { return RasterCountsRef(raster.parts); }
+CounterTable partsOfTiles() { return CounterTable(raster.parts + kRasterCountsBytes); }
+CounterTable endsOfTiles() { return CounterTable(raster.parts + kRasterCountsBytes + 4ul * allTiles()); }
+ShareTable shares() { return ShareTable(raster.parts + kRasterCountsBytes + uint64_t(kRasterTileBytes) * allTiles()); }
+PartTable parts() {
+  return PartTable(uint64_t(shares()) + uint64_t(kRasterShareBytes) * (allTiles() + raster.part_capacity / kShareParts));
+}
+CounterTable inOrder() { return CounterTable(uint64_t(parts()) + 8ul * raster.part_capacity); }
+// Before parts have an order, triangles lie in its place.
+uint spreadCapacity() { return raster.part_capacity / (kIntoShadowMap ? kShadowCascades : 1u); }
+CounterTable spreadTriangles() { return CounterTable(uint64_t(inOrder()) + 4ul * raster.cascade * spreadCapacity()); }
 
 #endif

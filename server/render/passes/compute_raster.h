@@ -23,12 +23,16 @@ class ComputeRaster {
                                   VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_SHADER_READ_BIT};
 
   /// Records the draws of all volumes of `lists` into what `constants` tells: frame, what is drawn into, its size, the
-  /// jitter. Volumes are cascades of a shadow map. `tiles`: working memory, as much as there is.
-  void draw(gpu::Commands& commands, const DrawLists& lists, uint32_t volumes, bool any_masks, const gpu::Buffer& tiles,
+  /// jitter. Volumes are cascades of a shadow map. `parts`: working memory, of workingBytes().
+  void draw(gpu::Commands& commands, const DrawLists& lists, uint32_t volumes, bool any_masks, const gpu::Buffer& parts,
             shared::RasterConstants constants) const;
 
+  /// With room for so many parts of large triangles: tiles that they touch.
+  static uint64_t workingBytes(uint32_t volumes, uint32_t width, uint32_t height, uint64_t room);
+
  private:
-  std::array<gpu::ComputePipeline, 2> triangles_, tiles_;  // of what asks no mask; of what does
+  std::array<gpu::ComputePipeline, 2> triangles_, spread_, tiles_;  // of what asks no mask; of what does
+  gpu::ComputePipeline ends_, sort_;
 };
 
 }  // namespace helio::render

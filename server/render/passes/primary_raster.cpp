@@ -48,7 +48,7 @@ void PrimaryRaster::add(const ViewPass& pass, const RasterPass& raster, const gl
          {&view.constants, gpu::use::compute_read},
          {pass.instances, gpu::use::compute_read},
          {&view.keys, DrawLists::kWrite},
-         {&view.raster_tiles, DrawLists::kWrite},
+         {&view.raster_parts, DrawLists::kWrite},
          {&view.visibility, gpu::use::compute_write}},
         [this, &view, jitter, any_masks](gpu::Commands& commands) { compute(commands, view, jitter, any_masks); });
   else
@@ -105,7 +105,7 @@ void PrimaryRaster::compute(gpu::Commands& commands, const View& view, const glm
   constants.width = view.settings().width;
   constants.height = view.settings().height;
   commands.fill(view.keys, 0);
-  compute_.draw(commands, view.draws, 1, any_masks, view.raster_tiles, constants);
+  compute_.draw(commands, view.draws, 1, any_masks, view.raster_parts, constants);
   commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
   view.draws.describe(0, constants);
   commands.bind(resolve_);

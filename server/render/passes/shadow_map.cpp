@@ -70,7 +70,8 @@ shared::ShadowMap shadowCascades(const scene::Camera& camera, const glm::vec3& t
 ShadowMapPass::ShadowMapPass(gpu::Device& device)
     : pipelines_(rasterPipelines(
           device, {"shadow_map/shadow_map.vert", "shadow_map/shadow_map.frag", {}, VK_FORMAT_D32_SFLOAT, {}})),
-      compute_(device, RasterTarget::shadow_map) {}
+      compute_(device, RasterTarget::shadow_map),
+      clear_(device, "raster/clear.comp") {}
 
 void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const glm::vec3& to_sun,
                         const accel::OrderBlock& world, const ShadowCasters& only) const {
@@ -103,7 +104,7 @@ void ShadowMapPass::add(const ViewPass& pass, const RasterPass& raster, const gl
          {&view.shadow_constants, gpu::use::compute_read},
          {&view.constants, gpu::use::compute_read},
          {pass.instances, gpu::use::compute_read},
-         {&view.raster_tiles, DrawLists::kWrite},
+         {&view.raster_parts, DrawLists::kWrite},
          {&view.shadow_image, DrawLists::kWrite}},
         [this, &view, tile, any_masks](gpu::Commands& commands) { compute(commands, view, tile, any_masks); });
   else
@@ -148,15 +149,16 @@ void ShadowMapPass::draw(gpu::Commands& commands, const View& view, uint32_t til
 }
 
 void ShadowMapPass::compute(gpu::Commands& commands, const View& view, uint32_t tile, bool any_masks) const {
-  const VkClearColorValue nothing{};
-  const VkImageSubresourceRange all{VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
-  vkCmdClearColorImage(commands.handle(), view.shadow_image.handle(), VK_IMAGE_LAYOUT_GENERAL, &nothing, 1, &all);
   shared::RasterConstants constants{};
   constants.frame = view.constants.address();
   constants.shadow_map = view.shadow_constants.address();
   constants.image = view.shadow_image.slot();
   constants.width = constants.height = tile;
-  compute_.draw(commands, view.shadow_draws, shared::kShadowCascades, any_masks, view.raster_tiles, constants);
+  const uint32_t groups = (kTilesPerRow * tile + 15) / 16;
+  commands.bind(clear_);
+  commands.push(constants);
+  commands.dispatch(groups, groups);  // draw() waits for it
+  compute_.draw(commands, view.shadow_draws, shared::kShadowCascades, any_masks, view.raster_parts, constants);
 }
 
 }  // namespace helio::render

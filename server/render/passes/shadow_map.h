@@ -35,6 +35,7 @@ class ShadowMapPass {
 
   std::array<gpu::RasterPipeline, 2> pipelines_;
   ComputeRaster compute_;
+  gpu::ComputePipeline clear_;
 };
 
 }  // namespace helio::render
