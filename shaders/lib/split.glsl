@@ -17,7 +17,7 @@ struct Split {
   vec3 diffuse;        // light that shadow rays of the shown surface brought, by its lobe
   vec3 specular;
   vec3 further;        // light of all that comes after, in this launch
-  vec3 diffuse_share;  // of `further` that came by the diffuse lobe
+  uint diffuse_share;  // of `further` that came by the diffuse lobe: packShare()
   float carried;       // > 0: `further` is what came along the ray times this, and is left to lib/indirect.glsl
   float hit_distance;  // from the shown surface to the next, metres; 0: not known in this launch
 };
@@ -26,16 +26,26 @@ Split split_;
 void startSplit() {
   if (!kSplit) return;
   split_.shown = false;
-  split_.emission = split_.diffuse = split_.specular = split_.further = split_.diffuse_share = vec3(0.0);
+  split_.emission = split_.diffuse = split_.specular = split_.further = vec3(0.0);
+  split_.diffuse_share = 0u;
   split_.carried = split_.hit_distance = 0.0;
 }
 
+// Shares as they wait for rays and for launches: both lobes' are of one rounded number, so nothing is lost.
+uint packShare(vec3 share) { return packUnorm4x8(vec4(share, 0.0)); }
+vec3 unpackShare(uint share) { return unpackUnorm4x8(share).rgb; }
+// In the fourth byte of the share of a shadow ray that waits: it is one of the shown surface, and it looks for the sun.
+const uint kOfShown = 1u << 24, kOfSun = 1u << 25;
+uint ofShown(uint share, bool of_sun) { return share | kOfShown | (of_sun ? kOfSun : 0u); }
+bool isOfShown(uint share) { return kSplit && (share & kOfShown) != 0u; }
+bool isOfSun(uint share) { return kSplit && (share & kOfSun) != 0u; }
+
 // The diffuse lobe's share of what the surface scatters from `wi` to `wo`, given f |cos wi| of both lobes.
-vec3 diffuseShare(Bsdf b, vec3 wo, vec3 wi, vec3 f) {
-  if (!kSplit) return vec3(0.0);
-  if (!b.specular) return vec3(1.0);
+uint diffuseShare(Bsdf b, vec3 wo, vec3 wi, vec3 f) {
+  if (!kSplit) return 0u;
+  if (!b.specular) return packShare(vec3(1.0));
   const vec3 diffuse = underCoat(b, wo.z, wi.z) * b.diffuse * (max(wi.z, 0.0) * kInvPi);
-  return clamp(mix(vec3(0.0), diffuse / f, greaterThan(f, vec3(0.0))), 0.0, 1.0);
+  return packShare(mix(vec3(0.0), diffuse / f, greaterThan(f, vec3(0.0))));
 }
 
 // A mirror that shows what is behind it, and nothing of its own: of two mirrors that face each other the second is the surface.
@@ -44,10 +54,11 @@ bool showsWhatIsBehind(Surface s, uint vertex) {
 }
 
 // A shadow ray of the shown surface found its light.
-void addDirect(vec3 light, vec3 diffuse_share) {
+void addDirect(vec3 light, uint diffuse_share) {
   if (!kSplit) return;
-  split_.diffuse += light * diffuse_share;
-  split_.specular += light * (1.0 - diffuse_share);
+  const vec3 diffuse = light * unpackShare(diffuse_share);
+  split_.diffuse += diffuse;
+  split_.specular += light - diffuse;
 }
 // Light that the path's ray has met, or that arrived at a later vertex.
 void addFurther(vec3 light) {
@@ -55,10 +66,6 @@ void addFurther(vec3 light) {
   if (split_.shown) split_.further += light;
   else split_.emission += light;
 }
-
-// The share as it is kept between launches: both parts are of one rounded number, so nothing is lost.
-uint packShare(vec3 share) { return packUnorm4x8(vec4(share, 0.0)); }
-vec3 unpackShare(uint share) { return unpackUnorm4x8(share).rgb; }
 
 // How far the next surface is, of the sample: the first to know it tells.
 void noteHitDistance(float distance) {
@@ -68,10 +75,10 @@ void noteHitDistance(float distance) {
 float packHitDistance(float distance) { return -clamp(distance, 1e-4, kMostStored); }
 
 // Between launches: what tells where the path's light belongs.
-uint packCarried() { return split_.carried > 0.0 ? 0x80000000u | floatBitsToUint(split_.carried) : packShare(split_.diffuse_share); }
+uint packCarried() { return split_.carried > 0.0 ? 0x80000000u | floatBitsToUint(split_.carried) : split_.diffuse_share; }
 void unpackCarried(uint state) {
   if (kSharesIndirect && (state & 0x80000000u) != 0u) split_.carried = uintBitsToFloat(state & 0x7fffffffu);
-  else split_.diffuse_share = unpackShare(state);
+  else split_.diffuse_share = state;
 }
 
 // At the shown surface: whether its path goes on, where paths do so at a lower rate. What a mirror reflects always does.
@@ -84,7 +91,7 @@ bool goesOnFromShown(uvec2 pixel, Surface s, vec3 wo, bool drawn, BsdfSample bsd
     return false;
   }
   // What comes along the ray is grey here, so that it can be told in all of its colours.
-  const vec3 diffuse = bsdf.weight * diffuseShare(s.bsdf, wo, bsdf.wi, bsdf.weight * bsdf.pdf), specular = bsdf.weight - diffuse;
+  const vec3 diffuse = bsdf.weight * unpackShare(diffuseShare(s.bsdf, wo, bsdf.wi, bsdf.weight * bsdf.pdf)), specular = bsdf.weight - diffuse;
   const vec2 weights = vec2(luminance(diffuse) / max(luminance(s.bsdf.diffuse), kLeastAlbedo),
                             luminance(specular) / max(luminance(glossyAlbedo(s.bsdf, wo)), kLeastAlbedo));
   storeIndirectRay(pixel, s.frame_ * bsdf.wi, bsdf.pdf, weights);
@@ -121,12 +128,14 @@ void storeNoSurface(ivec2 pixel, bool mirrored) {
 // Adds what this launch found to what the launches before it did; of several samples a tick their mean is kept. A dropped sample
 // counts as none.
 void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
+  const bool emits = maxComponent(split_.emission) > 0.0, lit = maxComponent(split_.diffuse + split_.specular + split_.further) > 0.0;
+  if (!first_launch && !dropped && !emits && !lit && !(kHitDistances && split_.hit_distance > 0.0)) return;  // most later launches
   const float share = 1.0 / float(push.tick_sample + 1u);  // of this sample in the mean
   LobeLight light = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(1.0));
   vec3 emission = vec3(0.0);
   if (!first_launch || push.tick_sample > 0u) {
     light = sampledLight(pixel);
-    emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
+    if (first_launch || emits) emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
   }
   if (first_launch && push.tick_sample > 0u) {
     for (int lobe = 0; lobe < 2; ++lobe) light.rgb[lobe] *= 1.0 - share;
@@ -144,13 +153,14 @@ void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
       split_.further = vec3(0.0);
     }
     if (albedos.x != 0u) {
-      light.rgb[0] += scale * (split_.diffuse + split_.further * split_.diffuse_share) / unpackAlbedo(albedos.x);
-      light.rgb[1] += scale * (split_.specular + split_.further * (1.0 - split_.diffuse_share)) / unpackAlbedo(albedos.y);
+      const vec3 by_diffuse = split_.further * unpackShare(split_.diffuse_share);
+      light.rgb[0] += scale * (split_.diffuse + by_diffuse) / unpackAlbedo(albedos.x);
+      light.rgb[1] += scale * (split_.specular + split_.further - by_diffuse) / unpackAlbedo(albedos.y);
     }
     emission += scale * split_.emission;
   }
   writeLight(history.sampled, history.sampled_deviation, pixel, light, 0.5);
-  if (first_launch || maxComponent(split_.emission) > 0.0) imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission))));
+  if (first_launch || emits) imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission))));
 }
 
 #endif

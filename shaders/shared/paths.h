@@ -18,7 +18,8 @@ struct PathState {
   vec3 shadow_direction;
   float shadow_distance;
   vec3 shadow_contribution;  // if nothing stands in the way
-  uint diffuse_share;        // unorm8x4: of light yet to come, by the first vertex's diffuse lobe (lib/split.glsl)
+  uint diffuse_share;        // unorm8x4: of light yet to come, by the shown surface's diffuse lobe (lib/split.glsl)
+  uint shadow_share;         // of what the shadow ray brings
 };
 
 // How many paths a launch has: VkTraceRaysIndirectCommandKHR, and VkDispatchIndirectCommand for the pass that finds
