@@ -11,6 +11,8 @@ namespace {
 
 /// Powers of two that still are floats when light is multiplied or divided by them.
 constexpr float kMostStops = 40.0f;
+/// Beyond so many nobody asks how far a history goes back.
+constexpr uint32_t kMostTicksCounted = 1'024;
 
 /// The power of two next to an exposure.
 float unitOf(float exposure) {
@@ -34,18 +36,20 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
   now_ = 1 - now_;
 
   const float previous_unit = constants_.unit;
+  const uint32_t known_before = constants_.known;
   constants_ = {};
   constants_.tick = static_cast<uint32_t>(tick);
   constants_.gradient_seed = last_seed;
-  constants_.valid = fits && goes_on && known_ && tick == tick_ + 1;
-  const CameraFrame before = cameraFrame(constants_.valid ? camera_ : camera);
-  constants_.position = constants_.valid ? camera_.position : camera.position;
+  const bool looks_back = fits && goes_on && known_ && tick == tick_ + 1;
+  constants_.known = looks_back ? std::min(known_before + 1, kMostTicksCounted) : 0;
+  const CameraFrame before = cameraFrame(looks_back ? camera_ : camera);
+  constants_.position = looks_back ? camera_.position : camera.position;
   constants_.right = before.right;
   constants_.up = before.up;
   constants_.forward = before.forward;
   constants_.tangent = before.tangent;
   constants_.unit = unitOf(exposure);
-  constants_.rescale = constants_.valid ? constants_.unit / previous_unit : 1.0f;
+  constants_.rescale = looks_back ? constants_.unit / previous_unit : 1.0f;
   describeImages();
   camera_ = camera;
   tick_ = tick;

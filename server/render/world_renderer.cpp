@@ -450,7 +450,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   if (looksBack(settings)) {
     shared::HistoryConstants history = view.histories.constants();
     units_.describe(history);
-    history.reshades = history.valid && !view.accumulating() ? 1 : 0;
+    history.reshades = history.known > 0 && !view.accumulating() ? 1 : 0;
     commands.upload<shared::HistoryConstants>(view.histories.buffer, 0, std::span(&history, 1));
     c.history = view.histories.buffer.address();
   }

@@ -13,7 +13,7 @@ const float kMostShare = 0.9;  // of what was shown
 // What was shown of the surface in the tick before; w: 0 where it was not.
 vec3 shownBefore(ivec2 pixel, SurfaceTexel here) {
   vec3 sum = vec3(0.0);
-  if (history.valid == 0u) return sum;
+  if (history.known == 0u) return sum;
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
   const vec2 at = vec2(pixel) + motion.xy;
   const ivec2 corner = ivec2(floor(at));

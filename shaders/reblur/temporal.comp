@@ -33,7 +33,7 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
 
 History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
   History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0, 0.0);
-  if (history.valid == 0u) return sum;
+  if (history.known == 0u) return sum;
   const vec2 at = vec2(pixel) + motion.xy;
   const ivec2 corner = ivec2(floor(at));
   const vec2 f = at - vec2(corner);

@@ -28,7 +28,7 @@ struct HistoryConstants {
   vec3 right;
   vec3 up;
   vec3 forward;
-  uint valid;  // 0: nothing is known of the tick before
+  uint known;  // ticks before this one without a gap between them; 0: nothing is known of the tick before
   uint tick;
 
   // Where units were.

@@ -47,7 +47,7 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
   sum.moments = vec4(0.0);
   sum.samples = vec2(0.0);
   sum.sunlit = sum.weight = 0.0;
-  if (history.valid == 0u) return sum;
+  if (history.known == 0u) return sum;
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
   const vec2 at = vec2(pixel) + motion.xy;
   const ivec2 corner = ivec2(floor(at));

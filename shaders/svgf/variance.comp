@@ -60,14 +60,17 @@ void main() {
   imageStore(images_rg32ui[history.moments], pixel, uvec4(moments, 0u, 0u));
   keepTicks(pixel, samples);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
-  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w;
-  if (here.depth > 0.0) withoutFireflies(light.rgb, pixel, here, gradient, samples.x);
+  const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
+  if (here.depth > 0.0) withoutFireflies(light.rgb, pixel, here, motion.w, samples.x);
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
-    const LobeLight around = overNeighbours(light.rgb, pixel, here, gradient, samples);
+    const LobeLight around = overNeighbours(light.rgb, pixel, here, motion.w, samples);
+    // What is young where nothing moves comes and goes with TAA's jitter: edges and leaves, which neighbours would blur. TAA takes their
+    // mean.
+    const bool jitters = motion.xy == vec2(0.0) && max(samples.x, samples.y) <= float(history.known);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
-      light.rgb[s] = around.rgb[s];
+      if (!jitters) light.rgb[s] = around.rgb[s];
       light.deviation[s] = around.deviation[s];
     }
   }

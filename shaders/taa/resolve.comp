@@ -42,7 +42,7 @@ vec4 meanBefore(vec2 at) {
   const ivec2 corner = ivec2(floor(at));
   const vec2 f = at - vec2(corner);
   const ivec2 last = ivec2(frame.width, frame.height) - 1;
-  if (history.valid == 0u || any(lessThan(at, vec2(-0.5))) || any(greaterThan(at, vec2(last) + 0.5))) return vec4(0.0);
+  if (history.known == 0u || any(lessThan(at, vec2(-0.5))) || any(greaterThan(at, vec2(last) + 0.5))) return vec4(0.0);
   if (all(lessThan(f, vec2(1.0 / 256.0)))) return unpackHalf4(imageLoad(images_rg32ui[taa.mean], clamp(corner, ivec2(0), last)).xy);
   const vec4 across = weightsCubic(f.x), down = weightsCubic(f.y);
   vec4 sum = vec4(0.0);
