@@ -11,8 +11,9 @@ const int kSide = int(kBlockSide), kBlock = kSide * kSide;
 
 // How a triangle is drawn: by edge functions of the tile that fit in an int, else as if it were alone in the tile.
 const uint kNowhere = 0u, kByTile = 1u, kAlone = 2u;
-// Farther than this from corner to corner, 1/256 pixels, they do not fit.
-const int kLongest = 1 << 22;
+// 1/256 pixels from corner to corner. With L of them, and a tile's side S beside them, an edge function is 2 L (L + S) / 256 at most, and
+// changes by 2 L S / 256 over the tile: together 1.8e9.
+const int kLongest = 7 << 16;
 
 // A triangle as the tile's threads need it. Pixels' centres are at multiples of 256 where edge functions have 1/256 pixel squared: they
 // are kept without their lowest 8 bits, which changes no sign.

@@ -72,6 +72,23 @@ TEST(Rasteriser, TrianglesBehindTheEyeAreDrawnAsFarAsTheyAreBeforeIt) {
   expectAlike(scene, lookAt({30.0f, 0.02f, 12.0f}, {0.0f, 0.4f, 0.0f}, 0.8f), "on_the_ground", 0.002);
 }
 
+// From a picture's width to hundreds of it: where edge functions would not fit in 32 bits they are wider.
+TEST(Rasteriser, LongTrianglesAreDrawnToTheirEnds) {
+  SceneBuilder b;
+  b.environment().sky = {glm::vec3(1.0f), glm::vec3(1.0f)};
+  const uint32_t sheet = b.prefab("sheet", quad(1.0f), b.material(lambert(glm::vec3(0.5f))));
+  constexpr int kSheets = 12;
+  for (int i = 0; i < kSheets; ++i) {
+    // The lower left corners are seen, each a little nearer than the last; the others lie ever farther beside the
+    // picture.
+    const float width = 1.5f * std::exp2(0.75f * static_cast<float>(i)), step = 0.13f * static_cast<float>(i);
+    const glm::vec3 right(width, 0.1f * width, 0), up(-0.05f * width, width, 0);
+    const glm::vec3 corner(-1.4f + step, -0.8f + step, -2.0f + 0.02f * static_cast<float>(i));
+    b.place(sheet, glm::mat4x3(right, {0, 0, 1}, -up, corner + 0.5f * right + 0.5f * up));
+  }
+  expectAlike(b.build(), lookAt({0, 0, 0}, {0, 0, -1}, 0.9f), "long", 0.002);
+}
+
 // Twice as many tiles as the list has room for. Stairs that rise towards the camera, each of many layers a millimetre
 // apart: wherever a triangle is missing the layer behind it is seen.
 TEST(Rasteriser, WhatTheListOfTilesHasNoRoomForIsDrawnToo) {

@@ -63,13 +63,15 @@ void ComputeRaster::draw(gpu::Commands& commands, const DrawLists& lists, uint32
   }
   commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
   commands.bind(spread_[any_masks]);
-  eachVolume([&](uint32_t) { commands.dispatch(shared::kSpreadGroups); });
+  // No more groups than there is room for triangles: small pictures on CPUs notice.
+  const uint32_t spread = std::min(shared::kSpreadGroups, constants.part_capacity / volumes / shared::kFewTiles + 1);
+  eachVolume([&](uint32_t) { commands.dispatch(spread); });
   commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
   commands.bind(ends_);
   commands.dispatch(1);
   commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
   commands.bind(sort_);
-  commands.dispatch(shared::kSortGroups);
+  commands.dispatch(std::min(shared::kSortGroups, constants.part_capacity / shared::kSortGroup + 1));
   commands.barrier(gpu::use::compute_write, gpu::use::compute_write);
   commands.bind(tiles_[any_masks]);
   const auto shares = static_cast<uint32_t>(mostShares(tiles, constants.part_capacity));
