@@ -11,8 +11,6 @@ namespace {
 
 /// Powers of two that still are floats when light is multiplied or divided by them.
 constexpr float kMostStops = 40.0f;
-/// Beyond so many nobody asks how far a history goes back.
-constexpr uint32_t kMostTicksCounted = 1'024;
 
 /// The power of two next to an exposure.
 float unitOf(float exposure) {
@@ -41,7 +39,7 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
   constants_.tick = static_cast<uint32_t>(tick);
   constants_.gradient_seed = last_seed;
   const bool looks_back = fits && goes_on && known_ && tick == tick_ + 1;
-  constants_.known = looks_back ? std::min(known_before + 1, kMostTicksCounted) : 0;
+  constants_.known = looks_back ? known_before + 1 : 0;
   const CameraFrame before = cameraFrame(looks_back ? camera_ : camera);
   constants_.position = looks_back ? camera_.position : camera.position;
   constants_.right = before.right;

@@ -42,7 +42,7 @@ void ComputeRaster::draw(gpu::Commands& commands, const DrawLists& lists, uint32
                          const gpu::Buffer& parts, shared::RasterConstants constants) const {
   const uint32_t tiles = volumes * tilesOfAVolume(constants.width, constants.height);
   const uint64_t head = workingBytes(volumes, constants.width, constants.height, 0);
-  constexpr uint64_t kShare = shared::kShareParts;  // parts, whose entry is the only thing that they have together
+  constexpr uint64_t kShare = shared::kShareParts;  // so many parts need an entry together
   constants.parts = parts.address();
   constants.part_capacity = static_cast<uint32_t>((parts.size() - head) * kShare /
                                                   (shared::kRasterPartBytes * kShare + shared::kRasterShareBytes));
