@@ -129,6 +129,7 @@ void Histories::describeImages() {
   shared::HistoryConstants& c = constants_;
   c.motion = slot(motion);
   c.split = split_;
+  c.jitters = taa_;
   c.surface = slot(surface());
   c.previous_surface = slot(previousSurface());
   c.albedos = slot(albedos);

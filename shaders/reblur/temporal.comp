@@ -20,10 +20,10 @@ struct History {
   float weight;
 };
 
-void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight) {
+void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient)) return;
+  if (!continuesSurface(there, here, depth, gradient) || (beside && !sameSun(there, here))) return;
   const Lobes light = readLobes(history.filtered, texel);  // cannot be but numbers
   for (uint s = 0u; s < kSignals; ++s) sum.light.rgb[s] += weight * light.rgb[s];
   sum.ticks += weight * gatheredTicks(texel);
@@ -41,11 +41,11 @@ History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
   for (int i = 0; i < 4; ++i) {
     const ivec2 offset = ivec2(i & 1, i >> 1);
     const vec2 w = mix(1.0 - f, f, vec2(offset));
-    addTap(sum, corner + offset, here, depth, motion.w, w.x * w.y);
+    addTap(sum, corner + offset, here, depth, motion.w, w.x * w.y, false);
   }
   if (sum.weight < kLeastWeight) {  // thin things: the nearest texels that fit
     const ivec2 nearest = ivec2(round(at));
-    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, motion.w, 1.0);
+    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, motion.w, 1.0, true);
   }
   return sum;
 }

@@ -49,6 +49,7 @@ struct HistoryConstants {
   uint changes;               // rg8 a stratum: the share of the light that is another than before; diffuse, specular
 
   uint split;    // 1: there is light by lobe, and surfaces
+  uint jitters;  // 1: in each tick another point of the pixel is seen, for TAA
   uint surface;  // rg32ui: packSurface(), packDepth() along `forward`
   uint previous_surface;
   uint albedos;   // rg32ui: packAlbedo() of the diffuse and of the specular directional albedo; 0: nothing is there

@@ -4,42 +4,16 @@
 // 5 x 5 taps kStride pixels apart. Edges are found in depth, normals, and in luminance as far as its variance lets them be seen.
 // The last iteration makes the picture: albedos and emission come back.
 #include "lib/random.glsl"
-#include "svgf/filter.glsl"
-#include "svgf/picture.glsl"
 
-const int kGroup = 16;  // pixels a side
+const int kGroup = 16, kMargin = 2;
 layout(local_size_x = kGroup, local_size_y = kGroup) in;
-layout(constant_id = 0) const int kStride = 1;  // pixels between taps
+layout(constant_id = 0) const int kStride = 1;
 layout(constant_id = 1) const bool kLast = false;
-// A group filters pixels a stride apart, whose taps are the same few.
-const int kMargin = 2, kColumns = kGroup + 2 * kMargin, kTaps = kColumns * kColumns;
+
+#include "svgf/picture.glsl"
+#include "svgf/taps.glsl"
 
 const float kKernel[3] = float[](3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0);  // B3 spline
-
-// What the group's taps find, unpacked once. Light loses nothing in 16-bit floats, and more groups find room at a time.
-shared vec4 surfaces[kTaps];  // normal, share of the sun's light
-shared float depths[kTaps];   // 0: nothing is there; negative: in a mirror
-shared uvec2 lights[kSignals][kTaps];  // packHalf4(); a: standard deviation of its luminance
-
-// The pixel of a point in the group's lattice; groups beside each other take the pixels in between.
-ivec2 pixelOf(ivec2 point) {
-  const ivec2 group = ivec2(gl_WorkGroupID.xy);
-  return (group / kStride * kGroup + point) * kStride + group % kStride;
-}
-
-void fetchTaps() {
-  for (int i = int(gl_LocalInvocationIndex); i < kTaps; i += kGroup * kGroup) {
-    const ivec2 at = pixelOf(ivec2(i % kColumns, i / kColumns) - kMargin);
-    depths[i] = 0.0;
-    if (!inPicture(at)) continue;
-    const SurfaceTexel t = readSurface(history.surface, at);
-    const LobeLight l = readLight(filter_.source, filter_.source_deviation, at);
-    surfaces[i] = vec4(normalOf(t), t.sunlit);
-    depths[i] = t.mirrored ? -t.depth : t.depth;
-    for (uint s = 0u; s < kSignals; ++s) lights[s][i] = packHalf4(vec4(l.rgb[s], l.deviation[s]));
-  }
-  barrier();
-}
 
 // Standard deviation, smoothed by a 3 x 3 Gaussian: single estimates are too noisy to steer by.
 vec2 smoothDeviation(ivec2 pixel) {
@@ -57,31 +31,22 @@ vec2 smoothDeviation(ivec2 pixel) {
   return sqrt(variance / sum);
 }
 
-// Taps that weigh less than this for their surface alone are left out, before their light is looked at.
-const float kLeastAlike = 1e-3, kMostApart = 7.0;  // exp(-7) = 1e-3
-
 LobeLight filteredLight(ivec2 pixel, int middle) {
-  const vec4 surface = surfaces[middle];
-  const float depth = depths[middle];
-  const float gradient = imageLoad(images_rgba16f[history.motion], pixel).w * float(kStride), samples = gatheredTicks(pixel).x;
+  const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
+  const float gradient = motion.w * float(kStride);
   const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation(pixel) + 1e-5);
-  const float per_sunlit = 1.0 / sunlitTolerance(samples);
+  const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, gatheredTicks(pixel).x));
   const vec2 l = vec2(luminance(unpackHalf4(lights[0][middle]).rgb), luminance(unpackHalf4(lights[1][middle]).rgb));
   vec3 light[kSignals] = vec3[](vec3(0.0), vec3(0.0));
   vec2 variance = vec2(0.0), sum = vec2(0.0);
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) {
       const int there = middle + y * kColumns + x;
-      // As geometryWeight() and sunlitWeight(); of a product of exponentials, the exponents' sum.
-      const float tap_depth = depths[there];
-      const vec4 tap_surface = surfaces[there];
-      float alike = max(dot(surface.xyz, tap_surface.xyz), 0.0);
-      for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
-      const float apart = abs(depth - tap_depth) / depthTolerance(abs(depth), gradient, length(vec2(x, y))) + abs(surface.w - tap_surface.w) * per_sunlit;
-      if (depth * tap_depth <= 0.0 || alike < kLeastAlike || apart > kMostApart) continue;
+      const Likeness alike = likeness(middle, there, gradient, length(vec2(x, y)), per_sunlit);
+      if (!counts(alike)) continue;
       const vec4 diffuse = unpackHalf4(lights[0][there]), specular = unpackHalf4(lights[1][there]);
       const vec2 difference = abs(vec2(luminance(diffuse.rgb), luminance(specular.rgb)) - l) * per_luminance;
-      const vec2 w = kKernel[abs(x)] * kKernel[abs(y)] * alike * exp(-(apart + difference));
+      const vec2 w = kKernel[abs(x)] * kKernel[abs(y)] * alike.normals * exp(-(alike.apart + difference));
       const vec2 deviation = w * vec2(diffuse.a, specular.a);
       light[0] += w.x * diffuse.rgb;
       light[1] += w.y * specular.rgb;
@@ -95,7 +60,7 @@ void main() {
   const ivec2 point = ivec2(gl_LocalInvocationID.xy), pixel = pixelOf(point);
   fetchTaps();
   if (!inPicture(pixel)) return;
-  const int middle = (point.y + kMargin) * kColumns + point.x + kMargin;
+  const int middle = tapOf(point);
   const LobeLight light = depths[middle] != 0.0 ? filteredLight(pixel, middle) : readLight(filter_.source, filter_.source_deviation, pixel);
   if (!kLast) {
     writeLight(filter_.target, filter_.target_deviation, pixel, light, 0.5);

@@ -50,6 +50,8 @@ float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixel
 // otherwise is so noisy that by luminance alone filters take the shadows for noise. `samples`: in the mean over ticks.
 float sunlitTolerance(float samples) { return 0.05 + 0.25 / max(samples, 1.0); }
 float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) { return exp(-abs(a.sunlit - b.sunlit) / sunlitTolerance(samples)); }
+// Of what stands beside a point's own place: light of the sun is none of the shade's.
+bool sameSun(SurfaceTexel a, SurfaceTexel b) { return abs(a.sunlit - b.sunlit) < 0.3; }
 // A shadow has come to where there was none for long, or left: light from before is not to be mixed with this tick's. Penumbras are in
 // between, and their means too. 1: so it is, 0: it is not.
 float shadowMoved(SurfaceTexel here, float sunlit_before) { return abs(here.sunlit - sunlit_before) > 0.9 ? 1.0 : 0.0; }

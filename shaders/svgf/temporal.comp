@@ -25,11 +25,11 @@ struct History {
   float weight;
 };
 
-// Adds the tick before's texel, if it shows the same surface and is made of numbers.
-void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight) {
+// Adds the tick before's texel, if it shows the same surface and is made of numbers. `beside`: it is not where the point was.
+void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient)) return;
+  if (!continuesSurface(there, here, depth, gradient) || (beside && !sameSun(there, here))) return;
   const uvec2 light = imageLoad(images_rg32ui[history.filtered], texel).xy;  // cannot be but numbers
   const vec4 m = unpackHalf4(imageLoad(images_rg32ui[history.moments], texel).xy);
   if (!isNumber(m)) return;
@@ -56,11 +56,11 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
   for (int i = 0; i < 4; ++i) {
     const ivec2 offset = ivec2(i & 1, i >> 1);
     const vec2 w = mix(1.0 - f, f, vec2(offset));
-    addTap(sum, corner + offset, here, depth, gradient, w.x * w.y);
+    addTap(sum, corner + offset, here, depth, gradient, w.x * w.y, false);
   }
   if (sum.weight < kLeastWeight) {  // thin things: the nearest texels that fit
     const ivec2 nearest = ivec2(round(at));
-    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, gradient, 1.0);
+    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, gradient, 1.0, true);
   }
   return sum;
 }

@@ -2,28 +2,26 @@
 #extension GL_GOOGLE_include_directive : require
 // SVGF's estimate of variance [Schied et al. 2017, section 4.2]: over time where there are ticks enough, over 7 x 7 neighbours of
 // like geometry where there are not. This tick's moments, which have waited, take the place of those of the tick before.
-#include "svgf/filter.glsl"
 
-layout(local_size_x = 8, local_size_y = 8) in;
+const int kGroup = 16, kMargin = 3, kStride = 1;
+layout(local_size_x = kGroup, local_size_y = kGroup) in;
 
 // The next tick goes on from the mean, before anything filters it.
 layout(constant_id = 0) const bool kKeepsMean = false;
 
-const int kRadius = 3;
+#include "svgf/taps.glsl"
 
-// Mean light and standard deviation of its luminance over the neighbours and the pixel's own.
-LobeLight overNeighbours(vec3 own[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, vec2 samples) {
+// Mean light and standard deviation of its luminance over the neighbours and the pixel's own, `own`.
+LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per_sunlit, vec2 samples) {
   CutMean means[kSignals] = CutMean[](emptyMean(), emptyMean());
   for (uint s = 0u; s < kSignals; ++s) addTo(means[s], own[s], 1.0);
-  for (int y = -kRadius; y <= kRadius; ++y)
-    for (int x = -kRadius; x <= kRadius; ++x) {
-      const ivec2 at = pixel + ivec2(x, y);
-      if (at == pixel || !inPicture(at)) continue;
-      const SurfaceTexel there = readSurface(history.surface, at);
-      const float w = geometryWeight(here, there, gradient, length(vec2(x, y))) * sunlitWeight(here, there, samples.x);
-      const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
-      addTo(means[0], unpackLight(packed_light.x), w);
-      addTo(means[1], unpackLight(packed_light.y), w);
+  for (int y = -kMargin; y <= kMargin; ++y)
+    for (int x = -kMargin; x <= kMargin; ++x) {
+      const int there = here + y * kColumns + x;
+      const Likeness alike = likeness(here, there, gradient, length(vec2(x, y)), per_sunlit);
+      if (there == here || !counts(alike)) continue;
+      const float w = alike.normals * exp(-alike.apart);
+      for (uint s = 0u; s < kSignals; ++s) addTo(means[s], unpackHalf4(lights[s][there]).rgb, w);
     }
   LobeLight result;
   for (uint s = 0u; s < kSignals; ++s) {
@@ -37,40 +35,40 @@ LobeLight overNeighbours(vec3 own[kSignals], ivec2 pixel, SurfaceTexel here, flo
   return result;
 }
 
-void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, SurfaceTexel here, float gradient, float samples) {
+void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float gradient, float per_sunlit) {
   Surroundings around = noSurroundings();
   for (int i = 0; i < 9; ++i) {
-    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), at = tapAround(pixel, offset);
-    if (i == 4 || !inPicture(at)) continue;
-    const SurfaceTexel there = readSurface(history.surface, at);
-    if (there.depth == 0.0) continue;
-    const float w = geometryWeight(here, there, gradient, length(vec2(offset))) * sunlitWeight(here, there, samples);
-    const uvec2 packed_light = imageLoad(images_rg32ui[filter_.source], at).xy;
-    addTo(around, vec2(luminance(unpackLight(packed_light.x)), luminance(unpackLight(packed_light.y))), w);
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), step_ = tapAround(pixel, offset) - pixel;
+    const int there = here + step_.y * kColumns + step_.x;
+    if (i == 4 || depths[there] == 0.0) continue;
+    const Likeness alike = likeness(here, there, gradient, length(vec2(offset)), per_sunlit);
+    addTo(around, vec2(luminance(unpackHalf4(lights[0][there]).rgb), luminance(unpackHalf4(lights[1][there]).rgb)), alike.normals * exp(-alike.apart));
   }
   cutFireflies(light, around, kEnoughTicks);
 }
 
 void main() {
-  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  const ivec2 point = ivec2(gl_LocalInvocationID.xy), pixel = pixelOf(point);
+  fetchTaps();
   if (!inPicture(pixel)) return;
-  const SurfaceTexel here = readSurface(history.surface, pixel);
+  const int here = tapOf(point);
+  const bool seen = depths[here] != 0.0;
   const uvec2 moments = imageLoad(images_rg32ui[history.spare], pixel).xy;
   const vec2 samples = imageLoad(images_rg16f[history.spare_deviation], pixel).xy;
   imageStore(images_rg32ui[history.moments], pixel, uvec4(moments, 0u, 0u));
   keepTicks(pixel, samples);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
-  if (here.depth > 0.0) withoutFireflies(light.rgb, pixel, here, motion.w, samples.x);
+  const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, samples.x));
+  if (seen) withoutFireflies(light.rgb, pixel, here, motion.w, per_sunlit);
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
-  if (here.depth > 0.0 && min(samples.x, samples.y) < kEnoughTicks) {
-    const LobeLight around = overNeighbours(light.rgb, pixel, here, motion.w, samples);
-    // What is young where nothing moves comes and goes with TAA's jitter: edges and leaves, which neighbours would blur. TAA takes their
-    // mean.
-    const bool jitters = motion.xy == vec2(0.0) && max(samples.x, samples.y) <= float(history.known);
+  if (seen && min(samples.x, samples.y) < kEnoughTicks) {
+    const LobeLight around = overNeighbours(light.rgb, here, motion.w, per_sunlit, samples);
+    // What the jitter brings and takes keeps its own light, which neighbours would blur: TAA takes the mean.
+    const bool own = comesAndGoes(motion.xy) && max(samples.x, samples.y) <= float(history.known);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
-      if (!jitters) light.rgb[s] = around.rgb[s];
+      if (!own) light.rgb[s] = around.rgb[s];
       light.deviation[s] = around.deviation[s];
     }
   }

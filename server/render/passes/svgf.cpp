@@ -64,7 +64,7 @@ void Svgf::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/,
                  [this, &view](gpu::Commands& commands) {
                    commands.bind(variance_);
                    commands.push(filterConstants(view, view.histories.sampled, view.histories.spare));
-                   dispatchOver(commands, view, 8);
+                   dispatchOver(commands, view, 16);
                  });
 
   pass.graph.add("svgf_atrous", pass.owner,
