@@ -37,12 +37,14 @@ LobeLight filteredLight(ivec2 pixel, int middle) {
   const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation(pixel) + 1e-5);
   const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, gatheredTicks(pixel).x));
   const vec2 l = vec2(luminance(unpackHalf4(lights[0][middle]).rgb), luminance(unpackHalf4(lights[1][middle]).rgb));
+  const vec4 surface = unpackHalf4(surfaces[middle]);
+  const float depth = depths[middle];
   vec3 light[kSignals] = vec3[](vec3(0.0), vec3(0.0));
   vec2 variance = vec2(0.0), sum = vec2(0.0);
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) {
       const int there = middle + y * kColumns + x;
-      const Likeness alike = likeness(middle, there, gradient, length(vec2(x, y)), per_sunlit);
+      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)), per_sunlit);
       if (!counts(alike)) continue;
       const vec4 diffuse = unpackHalf4(lights[0][there]), specular = unpackHalf4(lights[1][there]);
       const vec2 difference = abs(vec2(luminance(diffuse.rgb), luminance(specular.rgb)) - l) * per_luminance;

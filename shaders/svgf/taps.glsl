@@ -7,9 +7,10 @@
 
 const int kColumns = kGroup + 2 * kMargin, kTaps = kColumns * kColumns;
 
-shared vec4 surfaces[kTaps];  // normal, share of the sun's light
-shared float depths[kTaps];   // 0: nothing is there; negative: in a mirror
-// Light loses nothing in 16-bit floats, and more groups find room at a time.
+// The less they take the more groups find room at a time. Light loses nothing in 16-bit floats; normals do, but those of a plane all
+// the same.
+shared float depths[kTaps];            // 0: nothing is there; negative: in a mirror
+shared uvec2 surfaces[kTaps];          // packHalf4(): normal, share of the sun's light
 shared uvec2 lights[kSignals][kTaps];  // packHalf4(); a: standard deviation of its luminance
 
 // The pixel of a point in the group's lattice.
@@ -27,7 +28,7 @@ void fetchTaps() {
     if (!inPicture(at)) continue;
     const SurfaceTexel t = readSurface(history.surface, at);
     const LobeLight l = readLight(filter_.source, filter_.source_deviation, at);
-    surfaces[i] = vec4(normalOf(t), t.sunlit);
+    surfaces[i] = packHalf4(vec4(normalOf(t), t.sunlit));
     depths[i] = t.mirrored ? -t.depth : t.depth;
     for (uint s = 0u; s < kSignals; ++s) lights[s][i] = packHalf4(vec4(l.rgb[s], l.deviation[s]));
   }
@@ -45,10 +46,10 @@ struct Likeness {
 };
 bool counts(Likeness l) { return l.normals >= kLeastAlike && l.apart <= kMostApart; }
 
-// `gradient`: of depth, metres a tap; `taps` apart; `per_sunlit`: 1 / sunlitTolerance().
-Likeness likeness(int here, int there, float gradient, float taps, float per_sunlit) {
-  const float depth = depths[here], other_depth = depths[there];
-  const vec4 surface = surfaces[here], other = surfaces[there];
+// `surface`, `depth`: of one tap, unpacked; `there`: the other. `gradient`: of depth, metres a tap; `taps` apart; `per_sunlit`: 1 / sunlitTolerance().
+Likeness likeness(vec4 surface, float depth, int there, float gradient, float taps, float per_sunlit) {
+  const vec4 other = unpackHalf4(surfaces[there]);
+  const float other_depth = depths[there];
   float alike = max(dot(surface.xyz, other.xyz), 0.0);
   for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
   // Around a ball of mirror the ground that it shows lies as the ground itself does, and has another light.

@@ -13,12 +13,14 @@ layout(constant_id = 0) const bool kKeepsMean = false;
 
 // Mean light and standard deviation of its luminance over the neighbours and the pixel's own, `own`.
 LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per_sunlit, vec2 samples) {
+  const vec4 surface = unpackHalf4(surfaces[here]);
+  const float depth = depths[here];
   CutMean means[kSignals] = CutMean[](emptyMean(), emptyMean());
   for (uint s = 0u; s < kSignals; ++s) addTo(means[s], own[s], 1.0);
   for (int y = -kMargin; y <= kMargin; ++y)
     for (int x = -kMargin; x <= kMargin; ++x) {
       const int there = here + y * kColumns + x;
-      const Likeness alike = likeness(here, there, gradient, length(vec2(x, y)), per_sunlit);
+      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)), per_sunlit);
       if (there == here || !counts(alike)) continue;
       const float w = alike.normals * exp(-alike.apart);
       for (uint s = 0u; s < kSignals; ++s) addTo(means[s], unpackHalf4(lights[s][there]).rgb, w);
@@ -36,12 +38,14 @@ LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per
 }
 
 void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float gradient, float per_sunlit) {
+  const vec4 surface = unpackHalf4(surfaces[here]);
+  const float depth = depths[here];
   Surroundings around = noSurroundings();
   for (int i = 0; i < 9; ++i) {
     const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), step_ = tapAround(pixel, offset) - pixel;
     const int there = here + step_.y * kColumns + step_.x;
     if (i == 4 || depths[there] == 0.0) continue;
-    const Likeness alike = likeness(here, there, gradient, length(vec2(offset)), per_sunlit);
+    const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(offset)), per_sunlit);
     addTo(around, vec2(luminance(unpackHalf4(lights[0][there]).rgb), luminance(unpackHalf4(lights[1][there]).rgb)), alike.normals * exp(-alike.apart));
   }
   cutFireflies(light, around, kEnoughTicks);
