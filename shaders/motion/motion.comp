@@ -9,6 +9,9 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+// Pixels: what moves by less rests, and two projections of one point differ by as much in 32 bits.
+const float kRest = 1e-3;
+
 // How fast depth changes over a pixel on the triangle's plane, metres a pixel.
 float depthGradient(vec3 normal, vec3 direction, float depth) {
   const vec2 size = vec2(frame.width, frame.height);
@@ -70,7 +73,8 @@ vec4 motionOf(uvec2 pixel) {
 void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (pixel.x >= frame.width || pixel.y >= frame.height) return;
-  const vec4 motion = motionOf(pixel);
+  vec4 motion = motionOf(pixel);
+  if (all(lessThan(abs(motion.xy), vec2(kRest)))) motion.xy = vec2(0.0);
   // What is no number was nowhere: out of the picture.
   imageStore(images_rgba16f[history.motion], ivec2(pixel), isNumber(motion) ? clamp(motion, -kMostStored, kMostStored) : vec4(kMostStored));
 }

@@ -10,7 +10,7 @@ const float kOld = 4.0;           // ticks: such a history needs no help
 const float kLeastWeight = 0.05;  // of the texels that fit: with less, look at a finer level
 
 // The level's four texels around the pixel, bilinear, as far as their surface is the pixel's. False: it is not.
-bool fromLevel(ivec2 pixel, SurfaceTexel here, float gradient, uint level, out Lobes light) {
+bool fromLevel(ivec2 pixel, SurfaceTexel here, vec4 motion, uint level, out Lobes light) {
   const int stride = 2 << level;
   const vec2 at = (vec2(pixel) + 0.5) / float(stride) - 0.5;
   const ivec2 corner = ivec2(floor(at));
@@ -22,7 +22,8 @@ bool fromLevel(ivec2 pixel, SurfaceTexel here, float gradient, uint level, out L
     const ivec2 offset = ivec2(i & 1, i >> 1), texel = clamp(corner + offset, ivec2(0), size - 1), middle = middleOf(texel, stride);
     const vec2 bilinear = mix(1.0 - f, f, vec2(offset));
     const SurfaceTexel there = readSurface(history.surface, middle);
-    const float w = bilinear.x * bilinear.y * geometryWeight(here, there, gradient, distance(vec2(middle), vec2(pixel))) * sunlitWeight(here, there, 1.0);
+    const float w = bilinear.x * bilinear.y * geometryWeight(here, there, motion.w, distance(vec2(middle), vec2(pixel))) *
+                    sunlitWeight(here, there, ticksOfSun(motion.xy, 1.0));
     const Lobes l = readLobes(history.mips[level], texel);
     for (uint s = 0u; s < kSignals; ++s) light.rgb[s] += w * l.rgb[s];
     sum += w;
@@ -39,7 +40,7 @@ void main() {
   const vec2 ticks = imageLoad(images_rg16f[history.sampled_deviation], pixel).xy;
   Lobes light = readLobes(filter_.source, pixel);
   if (here.depth > 0.0 && min(ticks.x, ticks.y) < kOld) {
-    const float gradient = gradientAt(pixel);
+    const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
     // As the blurs' radii: small pictures have smaller things.
     const float levels = clamp(float(kHistoryMips) + 0.5 * log2(float(frame.height) / 1080.0), 1.0, float(kHistoryMips));
     for (uint s = 0u; s < kSignals; ++s) {
@@ -47,7 +48,7 @@ void main() {
       const float width = s == 1u ? clamp(roughnessAt(pixel) * 4.0, 0.0, 1.0) : 1.0;
       Lobes wide;
       for (int level = int(ceil(levels * width * (1.0 - ticks[s] / kOld))) - 1; level >= 0; --level)
-        if (fromLevel(pixel, here, gradient, uint(level), wide)) {
+        if (fromLevel(pixel, here, motion, uint(level), wide)) {
           light.rgb[s] = wide.rgb[s];
           break;
         }

@@ -10,10 +10,11 @@ layout(push_constant, scalar) uniform Filter { FilterConstants filter_; };
 
 #include "svgf/signals.glsl"
 
-// Where nothing moves, what is young comes and goes with TAA's jitter: edges, leaves.
-bool comesAndGoes(vec2 motion) { return history.jitters == 1u && motion == vec2(0.0); }
-// Ticks that tell how sharp the sun's shadow is. What comes and goes is as bright in the sun and as dark in the shade as it was, young or not.
-float ticksOfSun(vec2 motion, float ticks) { return comesAndGoes(motion) ? max(ticks, float(history.known)) : ticks; }
+// Ticks that tell how sharp the sun's shadows are. Where nothing moves, what is young comes and goes with TAA's jitter, edges and leaves: it
+// is as bright in the sun and as dark in the shade as it was, and TAA takes the mean.
+float ticksOfSun(vec2 motion, float ticks) {
+  return history.jitters == 1u && motion == vec2(0.0) ? max(ticks, float(history.known)) : ticks;
+}
 
 // ---- Fireflies ----
 // One sample in a million is a thousand times as bright as what is around it (the sun, found by chance in a window): it would stay in the

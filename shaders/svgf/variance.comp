@@ -68,11 +68,9 @@ void main() {
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (seen && min(samples.x, samples.y) < kEnoughTicks) {
     const LobeLight around = overNeighbours(light.rgb, here, motion.w, per_sunlit, samples);
-    // What the jitter brings and takes keeps its own light, which neighbours would blur: TAA takes the mean.
-    const bool own = comesAndGoes(motion.xy) && max(samples.x, samples.y) <= float(history.known);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
-      if (!own) light.rgb[s] = around.rgb[s];
+      light.rgb[s] = around.rgb[s];
       light.deviation[s] = around.deviation[s];
     }
   }
