@@ -75,10 +75,10 @@ void main() {
     hit_factor = imageLoad(images_rg16f[history.spare_deviation], pixel).x;
   }
   if (here.depth > 0.0) {
-    const float gradient = gradientAt(pixel);
+    const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
+    const float gradient = motion.w;
     const vec2 radius = radii(pixel, hit_factor), sharpness = lobeSharpness(roughnessAt(pixel));
-    const vec2 motion = imageLoad(images_rgba16f[history.motion], pixel).xy;
-    const float ticks = ticksOfSun(motion, kStage == kPreblur ? 1.0 : gatheredTicks(pixel).x);
+    const float ticks = ticksOfSun(motion.xy, kStage == kPreblur ? 1.0 : gatheredTicks(pixel).x);
     const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
     const TangentDisk disk = tangentDisk(pixel, normalOf(here), here.depth, here.mirrored);
     // A dropped sample is no darkness.
