@@ -9,7 +9,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-// Pixels: what moves by less rests, and two projections of one point differ by as much in 32 bits.
+// Pixels a tick: what moves by less rests. Two projections of one point are not equal to the last bit.
 const float kRest = 1e-3;
 
 // How fast depth changes over a pixel on the triangle's plane, metres a pixel.

@@ -36,7 +36,7 @@ LobeLight filteredLight(ivec2 pixel, int middle) {
   const float gradient = motion.w * float(kStride);
   const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation(pixel) + 1e-5);
   const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, gatheredTicks(pixel).x));
-  const vec2 l = vec2(luminance(unpackHalf4(lights[0][middle]).rgb), luminance(unpackHalf4(lights[1][middle]).rgb));
+  const vec2 l = luminancesOf(middle);
   const vec4 surface = unpackHalf4(surfaces[middle]);
   const float depth = depths[middle];
   vec3 light[kSignals] = vec3[](vec3(0.0), vec3(0.0));

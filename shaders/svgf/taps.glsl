@@ -35,6 +35,8 @@ void fetchTaps() {
   barrier();
 }
 
+vec2 luminancesOf(int tap) { return vec2(luminance(unpackHalf4(lights[0][tap]).rgb), luminance(unpackHalf4(lights[1][tap]).rgb)); }
+
 // Taps that weigh less than this for their surface alone may be left out, before their light is looked at.
 const float kLeastAlike = 1e-3, kMostApart = 7.0;  // exp(-7) = 1e-3
 

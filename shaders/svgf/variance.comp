@@ -42,11 +42,11 @@ void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float g
   const float depth = depths[here];
   Surroundings around = noSurroundings();
   for (int i = 0; i < 9; ++i) {
-    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), step_ = tapAround(pixel, offset) - pixel;
-    const int there = here + step_.y * kColumns + step_.x;
+    const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), away = tapAround(pixel, offset) - pixel;
+    const int there = here + away.y * kColumns + away.x;
     if (i == 4 || depths[there] == 0.0) continue;
     const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(offset)), per_sunlit);
-    addTo(around, vec2(luminance(unpackHalf4(lights[0][there]).rgb), luminance(unpackHalf4(lights[1][there]).rgb)), alike.normals * exp(-alike.apart));
+    addTo(around, luminancesOf(there), alike.normals * exp(-alike.apart));
   }
   cutFireflies(light, around, kEnoughTicks);
 }

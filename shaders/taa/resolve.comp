@@ -8,9 +8,9 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 // Ticks in the mean at most: the history keeps 0.9. (Lipp adds a tenth of the history to the present, which would leave 82 % of
-// the variance; so it is 5 %.) Where nothing moves, and what was kept still fits, there may be more of them, but not so many that it is
-// a plain mean, which a sequence of few points comes near to slowly. The quicker
-// things move the fewer: each tick reads the mean between its pixels, and edges are where they were guessed to be.
+// the variance; so it is 5 %.) Where nothing moves, and what was kept still fits, there may be more of them; not many more, for a
+// plain mean of the jitter's points comes near the truth more slowly than one that forgets. The quicker things move the fewer: each tick reads the mean between its
+// pixels, and edges are where they were guessed to be.
 const float kMostTicks = 10.0, kLeastTicks = 2.0, kMostTicksAtRest = 16.0;
 const float kDeviations = 3.0;
 const float kFits = 0.02;  // relative: so much may be cut of what still fits

@@ -128,7 +128,7 @@ TEST_P(Shadows, BesideTheSunStayDarkAtRest) {
   showPicture(shown, "ledges");
   showPicture(expected, "ledges_truth");
   EXPECT_GT(shares.shadow_pixels, 500u);
-  // Ticks that miss a line of shade cut it from the anti-aliased picture; light taken from beside would add 0.15.
+  // Ticks that miss a line of shade cut it from the picture; light taken from beside would add a tenth and more.
   EXPECT_LT(shares.in_shadow, GetParam() == Denoiser::reblur ? 1.45 : 1.25);
   EXPECT_NEAR(shares.in_light, 1.0, 0.05);
 }
