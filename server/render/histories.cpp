@@ -28,7 +28,7 @@ void Histories::begin(gpu::Commands& commands, const scene::Camera& camera, cons
   }
   const bool fits = motion && width_ == settings.width && height_ == settings.height &&
                     split_ == splitsLight(settings) && denoiser_ == settings.denoiser && taa_ == settings.taa &&
-                    reconstructs_ == reconstructs(settings);
+                    reconstructs_ == reconstructs(settings) && occlusion_apart_ == occlusionGoesApart(settings);
   if (!fits) makeImages(commands, settings);
   if (settings.poison_history) poison(commands);
   now_ = 1 - now_;
@@ -62,6 +62,7 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
   denoiser_ = settings.denoiser;
   taa_ = settings.taa;
   reconstructs_ = reconstructs(settings);
+  occlusion_apart_ = occlusionGoesApart(settings);
   // A texel a square of `side` pixels.
   const auto image = [&](const char* name, VkFormat format, uint64_t texel_bytes, uint32_t side = 1) {
     const uint32_t width = (width_ + side - 1) / side, height = (height_ + side - 1) / side;
@@ -93,9 +94,15 @@ void Histories::makeImages(gpu::Commands& commands, const ViewSettings& settings
     indirect = buffer_of("indirect light of pixels", uint64_t{width_} * height_ * sizeof(shared::IndirectSample));
   if (denoiser_ == Denoiser::none) return;
   filtered = words("light of the ticks before");
-  samples = image("ticks of light", VK_FORMAT_R8G8_UNORM, 2);
+  const auto bytes = [&](const char* name) { return image(name, VK_FORMAT_R8G8_UNORM, 2); };
+  samples = bytes("ticks of light");
+  if (occlusion_apart_) {
+    occlusion = bytes("ambient occlusion");
+    open_skies_ = {bytes("open sky"), bytes("open sky of the tick before")};
+  }
   if (denoiser_ == Denoiser::reblur) {
     stabilised = half2("luminance that was shown");
+    sunlight_ = half2("the sun's light");  // its spare deviations hold that luminance meanwhile
     for (uint32_t level = 0; level < shared::kHistoryMips; ++level)
       mips[level] = image("coarser light", VK_FORMAT_R32G32_UINT, 8, 2u << level);
     return;
@@ -136,6 +143,10 @@ void Histories::describeImages() {
   c.emission = slot(emission);
   c.sampled = slot(sampled.rgb);
   c.sampled_deviation = slot(sampled.deviation);
+  if (denoiser_ != Denoiser::none) c.sunlight = slot(sunlight());
+  c.occlusion = slot(occlusion);
+  c.open_sky = slot(openSky());
+  c.previous_open_sky = slot(open_skies_[1 - now_]);
   c.spare = slot(spare.rgb);
   c.spare_deviation = slot(spare.deviation);
   c.filtered = slot(filtered);

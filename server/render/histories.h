@@ -19,6 +19,10 @@ inline bool replacesPicture(const ViewSettings& settings) {
 inline bool reconstructs(const ViewSettings& settings) { return settings.indirect_rate != IndirectRate::full; }
 /// The settings call for histories: motion and surfaces, at least.
 inline bool looksBack(const ViewSettings& settings) { return replacesPicture(settings) || reconstructs(settings); }
+/// Ambient occlusion is filtered by itself.
+inline bool occlusionGoesApart(const ViewSettings& settings) {
+  return settings.denoiser != Denoiser::none && settings.ambient == Ambient::occluded;
+}
 /// The settings call for light by the first vertex's lobes.
 inline bool splitsLight(const ViewSettings& settings) {
   return settings.denoiser != Denoiser::none || settings.inspect == Inspect::unfiltered || reconstructs(settings);
@@ -58,6 +62,9 @@ class Histories {
   // Of A-SVGF (shaders/shared/gradients.h), a texel a stratum.
   gpu::Buffer gradient_samples;
   gpu::Image claims, changes;
+  // Of ambient occlusion.
+  gpu::Image occlusion;
+  const gpu::Image& openSky() const { return open_skies_[now_]; }
   // Of ReBLUR.
   gpu::Image stabilised;
   std::array<gpu::Image, shared::kHistoryMips> mips;
@@ -65,6 +72,8 @@ class Histories {
   gpu::Buffer indirect;
   const gpu::Image& surface() const { return surfaces_[now_]; }
   const gpu::Image& previousSurface() const { return surfaces_[1 - now_]; }
+  /// Until a denoiser has taken it, in the place of what that writes then.
+  const gpu::Image& sunlight() const { return denoiser_ == Denoiser::reblur ? sunlight_ : spare.deviation; }
 
  private:
   void makeImages(gpu::Commands& commands, const ViewSettings& settings);
@@ -73,12 +82,13 @@ class Histories {
 
   gpu::Device* device_;
   std::array<gpu::Image, 2> surfaces_;  // of this tick and the one before, which take turns
+  std::array<gpu::Image, 2> open_skies_;
   size_t now_ = 0;
   shared::HistoryConstants constants_{};
   scene::Camera camera_;
-  gpu::Image resolved_;
+  gpu::Image resolved_, sunlight_;
   uint32_t width_ = 0, height_ = 0;
-  bool split_ = false, taa_ = false, reconstructs_ = false;
+  bool split_ = false, taa_ = false, reconstructs_ = false, occlusion_apart_ = false;
   Denoiser denoiser_ = Denoiser::none;
   uint64_t tick_ = 0;
   bool known_ = false;  // the tick before was kept

@@ -10,6 +10,7 @@
 #include "render/passes/inspect.h"
 #include "render/passes/learn_lamps.h"
 #include "render/passes/motion.h"
+#include "render/passes/occlusion.h"
 #include "render/passes/path_trace.h"
 #include "render/passes/primary_raster.h"
 #include "render/passes/primary_traced.h"
@@ -17,6 +18,7 @@
 #include "render/passes/reconstruct.h"
 #include "render/passes/shadow_map.h"
 #include "render/passes/statistics.h"
+#include "render/passes/sunlight.h"
 #include "render/passes/svgf.h"
 #include "render/passes/taa.h"
 #include "render/passes/tonemap.h"
@@ -34,6 +36,8 @@ struct Passes {
         reconstruct(device),
         learn_lamps(device),
         accumulate(device),
+        sunlight(device),
+        occlusion(device),
         statistics(device),
         error_estimate(device),
         exposure(device),
@@ -70,6 +74,8 @@ struct Passes {
   Reconstruct reconstruct;
   LearnLamps learn_lamps;
   Accumulate accumulate;
+  Sunlight sunlight;
+  Occlusion occlusion;
   Statistics statistics;
   ErrorEstimate error_estimate;
   Exposure exposure;

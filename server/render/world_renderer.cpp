@@ -324,6 +324,8 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
 
   const shared::SampleConstants last = view.finalConstants();
   if (replacesPicture(settings) && !reconstructs(settings)) passes_.motion.add(pass, work.samples.back());
+  if (sunGoesApart(settings, effects_)) passes_.sunlight.add(pass, last);
+  if (occlusionGoesApart(settings)) passes_.occlusion.add(pass, last);
   if (denoiser) denoiser->add(pass, work.samples.back(), last);
   if (knowsVariance(settings)) passes_.error_estimate.add(pass, last);
   if (settings.taa && settings.inspect == Inspect::nothing) passes_.taa.add(pass);
@@ -450,6 +452,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   if (looksBack(settings)) {
     shared::HistoryConstants history = view.histories.constants();
     units_.describe(history);
+    if (!sunGoesApart(settings, effects_)) history.sunlight = 0;
     history.reshades = history.known > 0 && !view.accumulating() ? 1 : 0;
     commands.upload<shared::HistoryConstants>(view.histories.buffer, 0, std::span(&history, 1));
     c.history = view.histories.buffer.address();

@@ -43,5 +43,9 @@ layout(constant_id = 54) const uint kIndirectRate = kIndirectFull;
 layout(constant_id = 55) const bool kHitDistances = false;
 // Light by the first vertex's diffuse and specular lobes is kept apart, without albedos (shared/history.h).
 layout(constant_id = 46) const bool kSplit = false;
+// Of that light the sun's, straight to the surface that a pixel shows, has its own way: as if nothing stood in it, and what stands there.
+layout(constant_id = 58) const bool kSunApart = false;
+// So has the sky's in the place of what was scattered diffusely.
+layout(constant_id = 59) const bool kAmbientApart = false;
 
 #endif

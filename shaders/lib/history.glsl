@@ -40,7 +40,7 @@ vec3 surfaceNormal(uint packed_surface) {
   return normalize(v);
 }
 // Depth in metres to 16 bits, 0 where there is no surface; the sign tells what is seen in a mirror, and the 7 bits at the end how much
-// of the sun reaches the surface: what shadow rays of this tick found, then their mean over ticks.
+// of the sun reaches the surface: what shadow rays of this tick found, then their mean over ticks (sunlight/sunlight.comp).
 const uint kSunlitBits = 127u;
 uint packDepth(float depth, bool mirrored) { return floatBitsToUint(max(depth, 0.0)) & ~kSunlitBits | (mirrored ? 0x80000000u : 0u); }
 float surfaceDepth(uint packed_depth) { return uintBitsToFloat(packed_depth & 0x7fffffffu & ~kSunlitBits); }

@@ -34,11 +34,10 @@ void startSplit() {
 // Shares as they wait for rays and for launches: both lobes' are of one rounded number, so nothing is lost.
 uint packShare(vec3 share) { return packUnorm4x8(vec4(share, 0.0)); }
 vec3 unpackShare(uint share) { return unpackUnorm4x8(share).rgb; }
-// In the fourth byte of the share of a shadow ray that waits: it is one of the shown surface, and it looks for the sun.
-const uint kOfShown = 1u << 24, kOfSun = 1u << 25;
-uint ofShown(uint share, bool of_sun) { return share | kOfShown | (of_sun ? kOfSun : 0u); }
+// In the fourth byte of the share of a shadow ray that waits: it is one of the shown surface.
+const uint kOfShown = 1u << 24;
+uint ofShown(uint share) { return share | kOfShown; }
 bool isOfShown(uint share) { return kSplit && (share & kOfShown) != 0u; }
-bool isOfSun(uint share) { return kSplit && (share & kOfSun) != 0u; }
 
 // The diffuse lobe's share of what the surface scatters from `wi` to `wo`, given f |cos wi| of both lobes.
 uint diffuseShare(Bsdf b, vec3 wo, vec3 wi, vec3 f) {
@@ -111,12 +110,29 @@ void storeSurface(ivec2 pixel, Surface s, vec3 wo, vec3 seen, float distance, ve
   imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
 }
 // What the sample's shadow ray of the shown surface found; of several samples a tick their mean is kept.
-void storeSunlit(ivec2 pixel, bool sunlit) {
+void storeSunlit(ivec2 pixel, float sunlit) {
   if (!kSplit) return;
   uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
-  const float mean = mix(surfaceSunlit(surface.y), float(sunlit), 1.0 / float(push.tick_sample + 1u));
+  const float mean = mix(surfaceSunlit(surface.y), sunlit, 1.0 / float(push.tick_sample + 1u));
   surface.y = withSunlit(surface.y, mean, 0.5);
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface, 0u, 0u));
+}
+// The same of all of the sun's light that scatters there: `light`, if nothing stood in its way, and how much of it arrived, [0, 1].
+// `steady`: what makes of the diffuse lobe's light that of the sun's middle, which is the mean over its disc.
+void storeSunlight(ivec2 pixel, vec3 light, uint diffuse_share, float steady, float arrived) {
+  const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
+  const vec3 diffuse = light * unpackShare(diffuse_share);
+  vec2 by_lobe = history.unit * vec2(steady * luminance(diffuse / unpackAlbedo(albedos.x)), luminance((light - diffuse) / unpackAlbedo(albedos.y)));
+  by_lobe = isNumber(by_lobe.xyxy) ? min(by_lobe, vec2(kMostStored)) : vec2(0.0);
+  if (push.tick_sample > 0u) by_lobe = mix(imageLoad(images_rg16f[history.sunlight], pixel).xy, by_lobe, 1.0 / float(push.tick_sample + 1u));
+  imageStore(images_rg16f[history.sunlight], pixel, vec4(by_lobe, 0.0, 0.0));
+  storeSunlit(pixel, arrived);
+}
+// Whether the sky was seen there, and how much of its light the surface lets through to its diffuse lobe.
+void storeOcclusion(ivec2 pixel, bool open, float through) {
+  vec2 found = vec2(float(open), through);
+  if (push.tick_sample > 0u) found = mix(imageLoad(images_rg8[history.occlusion], pixel).xy, found, 1.0 / float(push.tick_sample + 1u));
+  imageStore(images_rg8[history.occlusion], pixel, vec4(found, 0.0, 0.0));
 }
 // The path shows none: the sky, itself or in a mirror.
 void storeNoSurface(ivec2 pixel, bool mirrored) {

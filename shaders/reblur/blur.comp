@@ -78,7 +78,6 @@ void main() {
     const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
     const float gradient = motion.w;
     const vec2 radius = radii(pixel, hit_factor), sharpness = lobeSharpness(roughnessAt(pixel));
-    const float ticks = ticksOfSun(motion.xy, kStage == kPreblur ? 1.0 : gatheredTicks(pixel).x);
     const float turn = 6.28318531 * randomAt(uvec2(pixel), history.tick, 16u + kStage).x;
     const TangentDisk disk = tangentDisk(pixel, normalOf(here), here.depth, here.mirrored);
     // A dropped sample is no darkness.
@@ -92,8 +91,7 @@ void main() {
         const ivec2 at = ivec2(floor(diskPixel(disk, tap * radius[s])));
         if (at == pixel || !inPicture(at)) continue;
         const SurfaceTexel there = readSurface(history.surface, at);
-        float w = lobeLikeness(here, there, gradient, distance(vec2(at), vec2(pixel)), sharpness[s]) * exp(-2.0 * dot(tap, tap)) *
-                  sunlitWeight(here, there, ticks);
+        float w = lobeLikeness(here, there, gradient, distance(vec2(at), vec2(pixel)), sharpness[s]) * exp(-2.0 * dot(tap, tap));
         if (kStage == kPreblur && imageLoad(images_rg16f[history.sampled_deviation], at).x == 0.0) w = 0.0;
         if (w <= 0.0) continue;
         addTo(mean, unpackLight(s == 0u ? imageLoad(images_rg32ui[filter_.source], at).x : imageLoad(images_rg32ui[filter_.source], at).y), w);

@@ -22,8 +22,7 @@ bool fromLevel(ivec2 pixel, SurfaceTexel here, vec4 motion, uint level, out Lobe
     const ivec2 offset = ivec2(i & 1, i >> 1), texel = clamp(corner + offset, ivec2(0), size - 1), middle = middleOf(texel, stride);
     const vec2 bilinear = mix(1.0 - f, f, vec2(offset));
     const SurfaceTexel there = readSurface(history.surface, middle);
-    const float w = bilinear.x * bilinear.y * geometryWeight(here, there, motion.w, distance(vec2(middle), vec2(pixel))) *
-                    sunlitWeight(here, there, ticksOfSun(motion.xy, 1.0));
+    const float w = bilinear.x * bilinear.y * geometryWeight(here, there, motion.w, distance(vec2(middle), vec2(pixel)));
     const Lobes l = readLobes(history.mips[level], texel);
     for (uint s = 0u; s < kSignals; ++s) light.rgb[s] += w * l.rgb[s];
     sum += w;

@@ -5,7 +5,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
-float likeness(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) { return geometryWeight(a, b, gradient, pixels) * sunlitWeight(a, b, 1.0); }
+float likeness(SurfaceTexel a, SurfaceTexel b, float gradient, float pixels) { return geometryWeight(a, b, gradient, pixels); }
 
 void main() {
   const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);

@@ -16,23 +16,21 @@ const float kEnough = 6.0;  // of them, to judge at all
 struct History {
   Lobes light;
   vec2 ticks;
-  float sunlit;
   float weight;
 };
 
 void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient) || (beside && !sameSun(there, here))) return;
+  if (!continuesSurface(there, here, depth, gradient)) return;
   const Lobes light = readLobes(history.filtered, texel);  // cannot be but numbers
   for (uint s = 0u; s < kSignals; ++s) sum.light.rgb[s] += weight * light.rgb[s];
   sum.ticks += weight * gatheredTicks(texel);
-  sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
 
 History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
-  History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0, 0.0);
+  History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0);
   if (history.known == 0u) return sum;
   const vec2 at = vec2(pixel) + motion.xy;
   const ivec2 corner = ivec2(floor(at));
@@ -91,21 +89,17 @@ void main() {
       vec2 mean, reach;
       judge(pixel, here, mean, reach);
       const vec2 most = vec2(kMostTicksOfLight, mostSpecularTicks(pixel, here));
-      const float sunlit_before = before.sunlit / before.weight;
-      if (dropped) here.sunlit = sunlit_before;
-      const float moved = shadowMoved(here, sunlit_before);
       for (uint s = 0u; s < kSignals; ++s) {
         const vec3 known = before.light.rgb[s] * (history.rescale / before.weight);
         const float l = luminance(known), fitting = clamp(l, mean[s] - reach[s], mean[s] + reach[s]);
         const float off = abs(l - fitting) / max(max(l, fitting), 1e-6);
-        const float gathered = min(before.ticks[s] / before.weight, most[s] - 1.0) * (1.0 - max(off, moved));
+        const float gathered = min(before.ticks[s] / before.weight, most[s] - 1.0) * (1.0 - off);
         ticks[s] = gathered + (dropped ? 0.0 : 1.0);
         const vec3 brought = l > 1e-6 ? known * (fitting / l) : known + (fitting - l);
         light.rgb[s] = dropped ? brought : mix(brought, light.rgb[s], 1.0 / max(ticks[s], 1.0));
       }
-      // Neighbours that judge look at the texel too, but not at these bits.
-      keepSunlit(pixel, here, sunlit_before, 1.0 / max(ticks.x, 1.0), randomAt(uvec2(pixel), history.tick, 25u).x);
     }
+    keepSunlit(pixel);  // neighbours that judge look at the texel too, but not at these bits
   }
   writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 24u).x);
   imageStore(images_rg16f[history.sampled_deviation], pixel, vec4(ticks, 0.0, 0.0));

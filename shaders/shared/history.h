@@ -63,6 +63,15 @@ struct HistoryConstants {
   // - this tick's moments and numbers of samples, until they can take the place of those of the tick before.
   uint sampled;
   uint sampled_deviation;
+  // rg16f: the sun's light on the surface as if nothing stood in its way, by the diffuse and the specular lobe over
+  // their albedos, in multiples of its colour; then, in x, the share of it that arrives, as a mean over ticks.
+  uint sunlight;
+  // Of ambient occlusion, rg8: what this tick's samples found, and the diffuse lobe's share of the sky's light that
+  // comes through the coat; then means over ticks: the share of the sky that is seen, and ticks in units of
+  // kMostTicksOfLight.
+  uint occlusion;
+  uint open_sky;
+  uint previous_open_sky;
   uint spare;
   uint spare_deviation;
   uint filtered;  // rg32ui: packLight(), diffuse and specular: the mean over ticks that the next one goes on from
@@ -75,11 +84,13 @@ struct HistoryConstants {
 
 // What may be shown in the picture's place, as plain numbers.
 HELIO_CONSTANT kInspectNothing = 0u;
-HELIO_CONSTANT kInspectMotion = 1u;      // to the tick before: pixels to the right, pixels down, metres of depth
-HELIO_CONSTANT kInspectPosition = 2u;    // of the first surface, world space, metres
-HELIO_CONSTANT kInspectBefore = 3u;      // where that point of the surface was in the tick before, world space, metres
-HELIO_CONSTANT kInspectUnfiltered = 4u;  // this tick's diffuse and specular light, modulated and added up
-HELIO_CONSTANT kInspectDiffuse = 5u;     // mean over ticks, demodulated
+HELIO_CONSTANT kInspectMotion = 1u;    // to the tick before: pixels to the right, pixels down, metres of depth
+HELIO_CONSTANT kInspectPosition = 2u;  // of the first surface, world space, metres
+HELIO_CONSTANT kInspectBefore = 3u;    // where that point of the surface was in the tick before, world space, metres
+// This tick's diffuse and specular light, modulated and added up; with a denoiser, the sun's and the ambient light as
+// they are shown.
+HELIO_CONSTANT kInspectUnfiltered = 4u;
+HELIO_CONSTANT kInspectDiffuse = 5u;  // mean over ticks, demodulated
 HELIO_CONSTANT kInspectSpecular = 6u;
 HELIO_CONSTANT kInspectSamples = 7u;  // in the history: diffuse, specular
 HELIO_CONSTANT kInspects = 8u;

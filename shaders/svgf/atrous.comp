@@ -35,7 +35,6 @@ LobeLight filteredLight(ivec2 pixel, int middle) {
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
   const float gradient = motion.w * float(kStride);
   const vec2 per_luminance = 1.0 / (kSigmaLuminance * smoothDeviation(pixel) + 1e-5);
-  const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, gatheredTicks(pixel).x));
   const vec2 l = luminancesOf(middle);
   const vec4 surface = unpackHalf4(surfaces[middle]);
   const float depth = depths[middle];
@@ -44,7 +43,7 @@ LobeLight filteredLight(ivec2 pixel, int middle) {
   for (int y = -2; y <= 2; ++y)
     for (int x = -2; x <= 2; ++x) {
       const int there = middle + y * kColumns + x;
-      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)), per_sunlit);
+      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)));
       if (!counts(alike)) continue;
       const vec4 diffuse = unpackHalf4(lights[0][there]), specular = unpackHalf4(lights[1][there]);
       const vec2 difference = abs(vec2(luminance(diffuse.rgb), luminance(specular.rgb)) - l) * per_luminance;

@@ -10,12 +10,6 @@ layout(push_constant, scalar) uniform Filter { FilterConstants filter_; };
 
 #include "svgf/signals.glsl"
 
-// Ticks that tell how sharp the sun's shadows are. Where nothing moves, what is young comes and goes with TAA's jitter, edges and leaves: it
-// is as bright in the sun and as dark in the shade as it was, and TAA takes the mean.
-float ticksOfSun(vec2 motion, float ticks) {
-  return history.jitters == 1u && motion == vec2(0.0) ? max(ticks, float(history.known)) : ticks;
-}
-
 // ---- Fireflies ----
 // One sample in a million is a thousand times as bright as what is around it (the sun, found by chance in a window): it would stay in the
 // mean for good, and no filter could take it. So a mean over four ticks or more may be so many times as bright as what is around it; a

@@ -3,6 +3,7 @@
 #ifndef HELIO_SVGF_SIGNALS_GLSL
 #define HELIO_SVGF_SIGNALS_GLSL
 #include "lib/history.glsl"
+#include "lib/random.glsl"
 
 const uint kSignals = 2u;
 // [Schied et al. 2017, section 4.4]
@@ -46,19 +47,10 @@ float geometryWeight(SurfaceTexel a, SurfaceTexel b, float gradient, float pixel
   return normalWeight(a, b) * exp(-abs(a.depth - b.depth) / depthTolerance(a.depth, gradient, pixels));
 }
 
-// An edge that no noise hides: by day the sun's shadows are the sharpest and darkest of the picture, and what reaches lit surfaces
-// otherwise is so noisy that by luminance alone filters take the shadows for noise. `samples`: in the mean over ticks.
-float sunlitTolerance(float samples) { return 0.05 + 0.25 / max(samples, 1.0); }
-float sunlitWeight(SurfaceTexel a, SurfaceTexel b, float samples) { return exp(-abs(a.sunlit - b.sunlit) / sunlitTolerance(samples)); }
-// Of what stands beside a point's own place: light of the sun is none of the shade's.
-bool sameSun(SurfaceTexel a, SurfaceTexel b) { return abs(a.sunlit - b.sunlit) < 0.3; }
-// A shadow has come to where there was none for long, or left: light from before is not to be mixed with this tick's. Penumbras are in
-// between, and their means too. 1: so it is, 0: it is not.
-float shadowMoved(SurfaceTexel here, float sunlit_before) { return abs(here.sunlit - sunlit_before) > 0.9 ? 1.0 : 0.0; }
-// The mean over ticks takes the place of what this tick's samples found. `share`: of this tick. Where a shadow moved the mean goes half
-// the way: should it have been a penumbra's rare sample, the next one will not be taken for another shadow.
-void keepSunlit(ivec2 pixel, SurfaceTexel here, float before, float share, float chance) {
-  const float sunlit = mix(before, here.sunlit, shadowMoved(here, before) > 0.0 ? 0.5 : share);
+// The mean over ticks of how much of the sun is seen (sunlight/sunlight.comp) takes the place of what this tick's sample found.
+void keepSunlit(ivec2 pixel) {
+  if (history.sunlight == 0u) return;
+  const float sunlit = imageLoad(images_rg16f[history.sunlight], pixel).x, chance = randomAt(uvec2(pixel), history.tick, 2u).x;
   const uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface.x, withSunlit(surface.y, sunlit, chance), 0u, 0u));
 }
@@ -69,6 +61,26 @@ const float kAlikeNormals = 0.9;  // cosine
 bool continuesSurface(SurfaceTexel there, SurfaceTexel here, float depth, float gradient) {
   if (there.depth == 0.0 || instanceOf(there) != instanceOf(here) || cosine(there, here) < kAlikeNormals) return false;
   return abs(there.depth - depth) <= 2.0 * gradient + 0.01 * depth;
+}
+
+// The texels of the tick before between which a pixel's point was, as far as they show its surface.
+struct Look {
+  ivec2 corner;
+  vec2 f;       // between the corner and the texels beyond it
+  float depth;  // that its surface had
+};
+Look lookedAt(ivec2 pixel, SurfaceTexel here, vec4 motion) {
+  const vec2 at = vec2(pixel) + motion.xy, corner = floor(at);
+  return Look(ivec2(corner), at - corner, here.depth + motion.z);
+}
+// One of the four; weight 0: it is of no use.
+float tapOf(Look look, int i, SurfaceTexel here, float gradient, out ivec2 texel, out SurfaceTexel there) {
+  const ivec2 offset = ivec2(i & 1, i >> 1);
+  const vec2 w = mix(1.0 - look.f, look.f, vec2(offset));
+  texel = look.corner + offset;
+  if (w.x * w.y <= 0.0 || !inPicture(texel)) return 0.0;
+  there = readSurface(history.previous_surface, texel);
+  return continuesSurface(there, here, look.depth, gradient) ? w.x * w.y : 0.0;
 }
 
 #endif

@@ -10,7 +10,7 @@ const int kColumns = kGroup + 2 * kMargin, kTaps = kColumns * kColumns;
 // The less they take the more groups find room at a time. Light loses nothing in 16-bit floats; normals do, but those of a plane all
 // the same.
 shared float depths[kTaps];            // 0: nothing is there; negative: in a mirror
-shared uvec2 surfaces[kTaps];          // packHalf4(): normal, share of the sun's light
+shared uvec2 surfaces[kTaps];          // packHalf4(): normal
 shared uvec2 lights[kSignals][kTaps];  // packHalf4(); a: standard deviation of its luminance
 
 // The pixel of a point in the group's lattice.
@@ -28,7 +28,7 @@ void fetchTaps() {
     if (!inPicture(at)) continue;
     const SurfaceTexel t = readSurface(history.surface, at);
     const LobeLight l = readLight(filter_.source, filter_.source_deviation, at);
-    surfaces[i] = packHalf4(vec4(normalOf(t), t.sunlit));
+    surfaces[i] = packHalf4(vec4(normalOf(t), 0.0));
     depths[i] = t.mirrored ? -t.depth : t.depth;
     for (uint s = 0u; s < kSignals; ++s) lights[s][i] = packHalf4(vec4(l.rgb[s], l.deviation[s]));
   }
@@ -40,7 +40,7 @@ vec2 luminancesOf(int tap) { return vec2(luminance(unpackHalf4(lights[0][tap]).r
 // Taps that weigh less than this for their surface alone may be left out, before their light is looked at.
 const float kLeastAlike = 1e-3, kMostApart = 7.0;  // exp(-7) = 1e-3
 
-// How alike the surfaces of two taps are, as geometryWeight() and sunlitWeight() have it: normals * exp(-apart). Of a product of
+// How alike the surfaces of two taps are, as geometryWeight() has it: normals * exp(-apart). Of a product of
 // exponentials, the exponents' sum; who has another factor adds its own.
 struct Likeness {
   float normals;  // 0: not at all
@@ -48,15 +48,15 @@ struct Likeness {
 };
 bool counts(Likeness l) { return l.normals >= kLeastAlike && l.apart <= kMostApart; }
 
-// `surface`, `depth`: of one tap, unpacked; `there`: the other. `gradient`: of depth, metres a tap; `taps` apart; `per_sunlit`: 1 / sunlitTolerance().
-Likeness likeness(vec4 surface, float depth, int there, float gradient, float taps, float per_sunlit) {
+// `surface`, `depth`: of one tap, unpacked; `there`: the other. `gradient`: of depth, metres a tap; `taps` apart;
+Likeness likeness(vec4 surface, float depth, int there, float gradient, float taps) {
   const vec4 other = unpackHalf4(surfaces[there]);
   const float other_depth = depths[there];
   float alike = max(dot(surface.xyz, other.xyz), 0.0);
   for (int i = 0; i < kLog2SigmaNormal; ++i) alike *= alike;
   // Around a ball of mirror the ground that it shows lies as the ground itself does, and has another light.
   return Likeness(depth * other_depth > 0.0 ? alike : 0.0,
-                  abs(depth - other_depth) / depthTolerance(abs(depth), gradient, taps) + abs(surface.w - other.w) * per_sunlit);
+                  abs(depth - other_depth) / depthTolerance(abs(depth), gradient, taps));
 }
 
 #endif

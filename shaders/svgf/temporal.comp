@@ -21,7 +21,6 @@ struct History {
   vec3 light[kSignals];
   vec4 moments;          // mean and second moment of the luminance: diffuse, specular
   vec2 samples;
-  float sunlit;
   float weight;
 };
 
@@ -29,7 +28,7 @@ struct History {
 void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
   if (weight <= 0.0 || !inPicture(texel)) return;
   const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient) || (beside && !sameSun(there, here))) return;
+  if (!continuesSurface(there, here, depth, gradient)) return;
   const uvec2 light = imageLoad(images_rg32ui[history.filtered], texel).xy;  // cannot be but numbers
   const vec4 m = unpackHalf4(imageLoad(images_rg32ui[history.moments], texel).xy);
   if (!isNumber(m)) return;
@@ -37,7 +36,6 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
   sum.light[1] += weight * unpackLight(light.y);
   sum.moments += weight * vec4(m.x, m.y * m.y + m.x * m.x, m.z, m.w * m.w + m.z * m.z);
   sum.samples += weight * gatheredTicks(texel);
-  sum.sunlit += weight * there.sunlit;
   sum.weight += weight;
 }
 
@@ -46,7 +44,7 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
   sum.light[0] = sum.light[1] = vec3(0.0);
   sum.moments = vec4(0.0);
   sum.samples = vec2(0.0);
-  sum.sunlit = sum.weight = 0.0;
+  sum.weight = 0.0;
   if (history.known == 0u) return sum;
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
   const vec2 at = vec2(pixel) + motion.xy;
@@ -82,9 +80,7 @@ void main() {
     const History before = lookBack(pixel, here);
     const LobeLight sampled = sampledLight(pixel);
     const bool dropped = sampled.deviation.x == 0.0, known = before.weight > 0.0;
-    const float sunlit_before = known ? before.sunlit / before.weight : here.sunlit;
-    if (dropped) here.sunlit = sunlit_before;
-    const vec2 change = max(changeOf(pixel), vec2(shadowMoved(here, sunlit_before)));
+    const vec2 change = changeOf(pixel);
     const float scale = known ? history.rescale / before.weight : 0.0;
     for (uint s = 0u; s < kSignals; ++s) {
       const float count = known ? before.samples[s] / before.weight * (1.0 - change[s]) : 0.0;
@@ -103,7 +99,7 @@ void main() {
       moments[2u * s] = min(m.x, kMostStored);
       moments[2u * s + 1u] = min(deviation, kMostStored);
     }
-    keepSunlit(pixel, here, sunlit_before, max(1.0 / max(samples.x, 1.0), kLeastShare), randomAt(uvec2(pixel), history.tick, 2u).x);
+    keepSunlit(pixel);
   }
   writeLight(history.sampled, history.sampled_deviation, pixel, integrated, randomAt(uvec2(pixel), history.tick, 0u).x);
   // Neighbours may still look at those of the tick before.

@@ -12,7 +12,7 @@ layout(constant_id = 0) const bool kKeepsMean = false;
 #include "svgf/taps.glsl"
 
 // Mean light and standard deviation of its luminance over the neighbours and the pixel's own, `own`.
-LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per_sunlit, vec2 samples) {
+LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, vec2 samples) {
   const vec4 surface = unpackHalf4(surfaces[here]);
   const float depth = depths[here];
   CutMean means[kSignals] = CutMean[](emptyMean(), emptyMean());
@@ -20,7 +20,7 @@ LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per
   for (int y = -kMargin; y <= kMargin; ++y)
     for (int x = -kMargin; x <= kMargin; ++x) {
       const int there = here + y * kColumns + x;
-      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)), per_sunlit);
+      const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(x, y)));
       if (there == here || !counts(alike)) continue;
       const float w = alike.normals * exp(-alike.apart);
       for (uint s = 0u; s < kSignals; ++s) addTo(means[s], unpackHalf4(lights[s][there]).rgb, w);
@@ -37,7 +37,7 @@ LobeLight overNeighbours(vec3 own[kSignals], int here, float gradient, float per
   return result;
 }
 
-void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float gradient, float per_sunlit) {
+void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float gradient) {
   const vec4 surface = unpackHalf4(surfaces[here]);
   const float depth = depths[here];
   Surroundings around = noSurroundings();
@@ -45,7 +45,7 @@ void withoutFireflies(inout vec3 light[kSignals], ivec2 pixel, int here, float g
     const ivec2 offset = 2 * (ivec2(i % 3, i / 3) - 1), away = tapAround(pixel, offset) - pixel;
     const int there = here + away.y * kColumns + away.x;
     if (i == 4 || depths[there] == 0.0) continue;
-    const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(offset)), per_sunlit);
+    const Likeness alike = likeness(surface, depth, there, gradient, length(vec2(offset)));
     addTo(around, luminancesOf(there), alike.normals * exp(-alike.apart));
   }
   cutFireflies(light, around, kEnoughTicks);
@@ -63,11 +63,10 @@ void main() {
   keepTicks(pixel, samples);
   LobeLight light = readLight(filter_.source, filter_.source_deviation, pixel);
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
-  const float per_sunlit = 1.0 / sunlitTolerance(ticksOfSun(motion.xy, samples.x));
-  if (seen) withoutFireflies(light.rgb, pixel, here, motion.w, per_sunlit);
+  if (seen) withoutFireflies(light.rgb, pixel, here, motion.w);
   if (kKeepsMean) imageStore(images_rg32ui[history.filtered], pixel, uvec4(packLight(light.rgb[0], 0.5), packLight(light.rgb[1], 0.5), 0u, 0u));
   if (seen && min(samples.x, samples.y) < kEnoughTicks) {
-    const LobeLight around = overNeighbours(light.rgb, here, motion.w, per_sunlit, samples);
+    const LobeLight around = overNeighbours(light.rgb, here, motion.w, samples);
     for (uint s = 0u; s < kSignals; ++s) {
       if (samples[s] >= kEnoughTicks) continue;
       light.rgb[s] = around.rgb[s];

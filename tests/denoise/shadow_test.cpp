@@ -129,8 +129,30 @@ TEST_P(Shadows, BesideTheSunStayDarkAtRest) {
   showPicture(expected, "ledges_truth");
   EXPECT_GT(shares.shadow_pixels, 500u);
   // Ticks that miss a line of shade cut it from the picture; light taken from beside would add a tenth and more.
-  EXPECT_LT(shares.in_shadow, GetParam() == Denoiser::reblur ? 1.45 : 1.25);
+  EXPECT_LT(shares.in_shadow, 1.25);
   EXPECT_NEAR(shares.in_light, 1.0, 0.05);
+}
+
+// Of a sun as wide as a hand at arm's length: what noise there is lies in the penumbra.
+TEST_P(Shadows, OfAWideSunAreSmoothFromTheFirstTick) {
+  SceneBuilder b;
+  b.place(b.prefab("floor", quad(30.0f), b.material(lambert(glm::vec3(0.6f)))));
+  b.place(b.prefab("caster", cube(), b.material(lambert(glm::vec3(0.5f)))), at({0.9f, 1.0f, 0.0f}, 0.8f));
+  b.environment().sun = {glm::normalize(glm::vec3(-0.7f, -1.0f, 0.1f)), glm::vec3(3.0f), 0.3f};
+  b.environment().sky = {glm::vec3(0.02f), glm::vec3(0.02f)};
+  const scene::ScenePtr scene = b.build();
+  const render::Frame expected = truth(scene, kAbove);
+  Stage raw(scene), stage(scene);
+  const double noise = relativeMse(raw.tick(kAbove, live(Denoiser::none)), expected);
+  for (int tick = 1; tick <= 16; ++tick) {
+    const render::Frame shown = stage.tick(kAbove, live(GetParam()));
+    if (tick != 1 && tick != 16) continue;
+    const double error = relativeMse(shown, expected);
+    std::printf("tick %d: relative MSE %.5f of %.4f (1/%.1f)\n", tick, error, noise, noise / error);
+    showPicture(shown, "wide_sun_" + std::to_string(tick));
+    EXPECT_LT(error, noise / (tick == 1 ? 10.0 : 60.0));
+    EXPECT_NEAR(mean(shown).y / mean(expected).y, 1.0f, 0.02f);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Denoise, Shadows, testing::Values(Denoiser::svgf, Denoiser::asvgf, Denoiser::reblur),

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "render/passes/shadow_map.h"
+#include "render/passes/sunlight.h"
 #include "shared/paths.h"
 
 static_assert(static_cast<uint32_t>(helio::render::SunShadow::rays_and_map) == helio::shared::kSunShadowRaysAndMap);
@@ -17,7 +18,8 @@ constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingCon
                  kMultipleScatteringConstant = 42, kManyLampsConstant = 43, kSunShadowConstant = 44,
                  kCountHitsConstant = 45, kSplitConstant = 46, kReshadesConstant = 48, kAnyHitBoxesConstant = 49,
                  kTechniqueConstant = 50, kAmbientConstant = 51, kLensConstant = 52, kLightFeedbackConstant = 53,
-                 kIndirectRateConstant = 54, kHitDistancesConstant = 55, kConstants = 56;
+                 kIndirectRateConstant = 54, kHitDistancesConstant = 55, kSunApartConstant = 58,
+                 kAmbientApartConstant = 59, kConstants = 60;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -84,6 +86,9 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kLightFeedbackConstant] = light_feedback;
   constants[kIndirectRateConstant] = static_cast<uint32_t>(settings.indirect_rate);
   constants[kHitDistancesConstant] = settings.denoiser == Denoiser::reblur && !log_rays;
+  constants[kSunApartConstant] = sunGoesApart(settings, effects) && !log_rays;
+  constants[kAmbientApartConstant] =
+      settings.denoiser != Denoiser::none && settings.ambient != Ambient::none && !log_rays;
   constants[kReshadesConstant] = settings.denoiser == Denoiser::asvgf && !log_rays;
   {
     const std::lock_guard lock(mutex_);
@@ -144,6 +149,8 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                                // Light by lobe, and the surfaces that belong to it.
                                {&view.histories.sampled, gpu::use::ray_write},
                                {&view.histories.spare, gpu::use::ray_write},
+                               {&view.histories.sunlight(), gpu::use::ray_write},
+                               {&view.histories.occlusion, gpu::use::ray_write},
                                {&view.histories.surface(), gpu::use::ray_write},
                                {&view.histories.claims, gpu::use::ray_read},
                                {&view.histories.indirect, gpu::use::ray_write},
