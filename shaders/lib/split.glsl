@@ -135,8 +135,8 @@ float shareOfFurther(inout LobeLight light, bool first_launch) {
   return 1.0 / (before + 1.0);
 }
 
-// Adds what this launch found to what the launches before it did; of several samples a tick their mean is kept. A dropped sample
-// counts as none.
+// Adds what this launch found to what the launches before it did; of several samples a tick, and of further paths, the mean is kept. A
+// dropped sample counts as none.
 void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
   const bool emits = maxComponent(split_.emission) > 0.0, lit = maxComponent(split_.diffuse + split_.specular + split_.further) > 0.0;
   if (!first_launch && !dropped && !emits && !lit && !(kHitDistances && split_.hit_distance > 0.0)) return;  // most later launches

@@ -68,9 +68,9 @@ void main() {
   if (kStage == kPreblur) {
     imageStore(images_rg16f[history.stabilised], pixel, vec4(imageLoad(images_rg16f[history.spare_deviation], pixel).xy, 0.0, 0.0));
     if (here.depth > 0.0) hit_factor = lookAround(light, pixel, here, gradientAt(pixel));
-    // How many paths the sample is the mean of; 0: it was dropped.
-    const float paths = imageLoad(images_rg16f[history.sampled_deviation], pixel).x;
-    imageStore(images_rg16f[history.spare_deviation], pixel, vec4(hit_factor, paths, 0.0, 0.0));
+    // What was dropped is told apart: 0.
+    const bool dropped = imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0;
+    imageStore(images_rg16f[history.spare_deviation], pixel, vec4(hit_factor, dropped ? 0.0 : 1.0, 0.0, 0.0));
   } else {
     hit_factor = imageLoad(images_rg16f[history.spare_deviation], pixel).x;
   }

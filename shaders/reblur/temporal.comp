@@ -85,8 +85,7 @@ void main() {
   if (here.depth > 0.0) {
     const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
     const History before = lookBack(pixel, here, motion);
-    const float paths = imageLoad(images_rg16f[history.spare_deviation], pixel).y;
-    const bool dropped = paths == 0.0;
+    const bool dropped = imageLoad(images_rg16f[history.spare_deviation], pixel).y == 0.0;
     ticks = vec2(1.0);
     if (before.weight > 0.0) {
       vec2 mean, reach;
@@ -106,7 +105,6 @@ void main() {
       }
       // Neighbours that judge look at the texel too, but not at these bits.
       keepSunlit(pixel, here, sunlit_before, 1.0 / max(ticks.x, 1.0), randomAt(uvec2(pixel), history.tick, 25u).x);
-      for (uint s = 0u; s < kSignals; ++s) ticks[s] *= pathsOfTicks(ticks[s], paths);
     }
   }
   writeLobes(filter_.target, pixel, light, randomAt(uvec2(pixel), history.tick, 24u).x);

@@ -3,7 +3,6 @@
 #ifndef HELIO_SVGF_SIGNALS_GLSL
 #define HELIO_SVGF_SIGNALS_GLSL
 #include "lib/history.glsl"
-#include "shared/extra_samples.h"
 
 const uint kSignals = 2u;
 // [Schied et al. 2017, section 4.4]
@@ -62,14 +61,6 @@ void keepSunlit(ivec2 pixel, SurfaceTexel here, float before, float share, float
   const float sunlit = mix(before, here.sunlit, shadowMoved(here, before) > 0.0 ? 0.5 : share);
   const uvec2 surface = imageLoad(images_rg32ui[history.surface], pixel).xy;
   imageStore(images_rg32ui[history.surface], pixel, uvec4(surface.x, withSunlit(surface.y, sunlit, chance), 0u, 0u));
-}
-
-// What a tick counts for in a history that has just grown up: 1 until then, and from then on. Its light was young, so its ticks may have
-// had further paths (shared/extra_samples.h), about as many each as this one, `paths`; those to come have one. Until then ticks are counted
-// as such: how noisy light is only several of them tell, however many paths they had. `ticks`: with this one.
-float pathsOfTicks(float ticks, float paths) {
-  const float grown = float(kYoungTicks);
-  return ticks >= grown && ticks < grown + 1.0 ? max(paths, 1.0) : 1.0;
 }
 
 const float kAlikeNormals = 0.9;  // cosine

@@ -104,11 +104,6 @@ void main() {
       moments[2u * s + 1u] = min(deviation, kMostStored);
     }
     keepSunlit(pixel, here, sunlit_before, max(1.0 / max(samples.x, 1.0), kLeastShare), randomAt(uvec2(pixel), history.tick, 2u).x);
-    for (uint s = 0u; s < kSignals; ++s) {
-      const float paths = pathsOfTicks(samples[s], sampled.deviation.x);
-      samples[s] *= paths;
-      moments[2u * s + 1u] = min(moments[2u * s + 1u] * sqrt(paths), kMostStored);
-    }
   }
   writeLight(history.sampled, history.sampled_deviation, pixel, integrated, randomAt(uvec2(pixel), history.tick, 0u).x);
   // Neighbours may still look at those of the tick before.
