@@ -25,8 +25,8 @@ void PathQueue::reserveExtra(uint32_t width, uint32_t height) {
   using enum gpu::MemoryCategory;
   const auto tiles = [](uint32_t pixels) { return (pixels + shared::kExtraTile - 1) / shared::kExtraTile; };
   if (!extra_)
-    extra_ = gpu::Buffer(device_, {"further paths", sizeof(shared::ExtraSamples), path_tracing,
-                                   gpu::Placement::device, VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT});
+    extra_ = gpu::Buffer(device_, {"further paths", sizeof(shared::ExtraSamples), path_tracing, gpu::Placement::device,
+                                   VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT});
   if (const uint64_t bytes = uint64_t{tiles(width)} * tiles(height) * sizeof(shared::ExtraTile);
       bytes > extra_tiles_.size())
     extra_tiles_ = gpu::Buffer(device_, {"tiles of further paths", bytes, path_tracing});

@@ -1,6 +1,6 @@
-// The memory in which paths rest between two launches of the path tracer (shaders/shared/paths.h), and the list of pixels
-// that get further paths in a tick (shaders/shared/extra_samples.h). Working memory: the views of a world take turns
-// with it.
+// The memory in which paths rest between two launches of the path tracer (shaders/shared/paths.h), and the list of
+// pixels that get further paths in a tick (shaders/shared/extra_samples.h). Working memory: the views of a world take
+// turns with it.
 #pragma once
 
 #include "gpu/commands.h"
@@ -34,7 +34,6 @@ class PathQueue {
   void trace(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, uint32_t launch) const;
   /// Dispatches what is bound over the paths of `launch` (> 0), in groups of shared::kPathGroup.
   void dispatch(gpu::Commands& commands, uint32_t launch) const;
-
 
   // ---- Further paths: round r is of the pixels that get r of them, or more, [1, kMostExtraPaths] ----
   /// Nobody gets any.

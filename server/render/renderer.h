@@ -138,9 +138,9 @@ struct ViewSettings {
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   CullingView culling_view = CullingView::none;         ///< not in reference mode
   Denoiser denoiser = Denoiser::none;
-  float extra_samples = 0.0f;  ///< paths a pixel more that a tick may take where what is known of the light is young and
-                               ///< noisy, as a mean over the picture, [0, 4]; needs a denoiser and one sample a tick,
-                               ///< and all of a path; not in reference mode
+  float extra_samples = 0.0f;  ///< paths a pixel more that a tick may take where what is known of the light is young
+                               ///< and noisy, as a mean over the picture, [0, 4]; needs a denoiser, one sample a tick
+                               ///< and indirect_rate full; not in reference mode
   bool taa = false;  ///< temporal anti-aliasing: ticks look at different points of the pixels; not in reference mode
   Inspect inspect = Inspect::nothing;  ///< not in reference mode
   bool poison_history = false;         ///< a test's hook: makes NaN of what a denoiser kept, ahead of this tick
@@ -198,7 +198,7 @@ struct FaultPlace {
   uint32_t x = 0, y = 0;  ///< pixel
   uint32_t sample = 0;    ///< among those that are averaged
   uint32_t vertex = 0;    ///< of the path, the camera's aside
-  uint32_t seed = 0;      ///< of the samples that are averaged
+  uint32_t seed = 0;      ///< of the samples that are averaged; of a further path (extra_samples), its tick's
 };
 
 /// What a world's acceleration structures hold and cost, of this tick.

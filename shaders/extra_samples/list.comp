@@ -14,7 +14,8 @@ void main() {
   ExtraSamplesRef extra = ExtraSamplesRef(frame.extra_samples);
   uvec2 pixel;
   uint paths = 0u;
-  if (tiledPixel(gl_GlobalInvocationID.x, pixel)) paths = imageLoad(images_r32ui[frame.path_info], ivec2(pixel)).x >> kExtraPathsShift & kExtraPathsMask;
+  if (tiledPixel(gl_GlobalInvocationID.x, pixel))
+    paths = imageLoad(images_r32ui[frame.path_info], ivec2(pixel)).x >> kExtraPathsShift & kExtraPathsMask;
   if (thread <= kMostExtraPaths) listed[thread] = 0u;
   barrier();
   uint place = 0u;

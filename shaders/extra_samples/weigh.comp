@@ -27,14 +27,17 @@ vec3 meanAlbedos(uint thread) {
   return albedos[0] / max(albedos[0].z, 1.0);
 }
 
+void addUp(uint to, uint from) {
+  for (uint c = 0u; c < kClasses; ++c) {
+    const Sums a = classes[c][to], b = classes[c][from];
+    classes[c][to] = Sums(a.count + b.count, a.first + b.first, a.second + b.second);
+  }
+}
+
 void sumUp(uint thread) {
   for (uint half_ = kPixels / 2u; half_ > 0u; half_ /= 2u) {
     barrier();
-    if (thread >= half_) continue;
-    for (uint c = 0u; c < kClasses; ++c) {
-      const Sums a = classes[c][thread], b = classes[c][thread + half_];
-      classes[c][thread] = Sums(a.count + b.count, a.first + b.first, a.second + b.second);
-    }
+    if (thread < half_) addUp(thread, thread + half_);
   }
   barrier();
 }

@@ -30,7 +30,9 @@ float gatheredBefore(ivec2 pixel, SurfaceTexel here) {
     const ivec2 nearest = ivec2(round(at));
     for (int i = 0; i < 9; ++i) addTicks(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, motion.w, 1.0, true);
   }
-  return sum.y > 0.0 ? sum.x / sum.y : 0.0;
+  const float ticks = sum.y > 0.0 ? sum.x / sum.y : 0.0;
+  // Where nothing moves, edges and leaves come and go with TAA's jitter. That is no news, and TAA takes the mean of them.
+  return history.jitters == 1u && motion.xy == vec2(0.0) ? max(ticks, float(history.known)) : ticks;
 }
 
 #endif

@@ -25,8 +25,8 @@ class PathTrace {
 
   /// A variant that was never used takes up to a second to compile: worlds warm up what their prefabs could call for.
   void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
-  /// Pass `extra_paths`: the further paths that `extra_samples` has listed, with their rays in the statistics. `sample`:
-  /// the tick's own, whose primary hits are in the visibility image.
+  /// Pass `extra_paths`: the further paths that `extra_samples` has listed, with their rays in the statistics.
+  /// `sample`: the tick's own, whose primary hits are in the visibility image.
   void addExtra(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects,
                 const Statistics& statistics);
   /// Pass `log_rays`: traces the same paths again and only writes down their rays (for `bare_trace`).
