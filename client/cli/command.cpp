@@ -111,6 +111,8 @@ void addApproximations(CLI::App& command, Approximations& chosen) {
   choice("--denoiser", chosen.denoiser, "hybrid mode: none, svgf, asvgf or reblur",
          render::namesOf(render::kDenoisers));
   command.add_flag("--taa", chosen.taa, "hybrid mode: temporal anti-aliasing");
+  number("--extra-samples", chosen.extra_samples,
+         "paths a pixel more, in the mean, where light is young and noisy; needs a denoiser", 0.0f, 4.0f);
   choice("--inspect", chosen.inspect,
          "hybrid mode: numbers in the picture's place: motion, position, before, unfiltered; with a denoiser diffuse, "
          "specular, samples",
@@ -126,6 +128,7 @@ v1::Approximations Approximations::toWire() const {
   out.set_shadow_map_size(shadow_map_size);
   out.set_levels_of_detail(levels_of_detail);
   out.set_taa(taa);
+  out.set_extra_samples(extra_samples);
   out.set_denoiser(onWire<v1::Denoiser>("DENOISER_", denoiser));
   out.set_technique(onWire<v1::Technique>("TECHNIQUE_", technique));
   out.set_ambient(onWire<v1::Ambient>("AMBIENT_", ambient));
@@ -153,6 +156,7 @@ void Approximations::put(render::ViewSettings& settings) const {
   settings.shadow_map_size = shadow_map_size;
   settings.levels_of_detail = levels_of_detail;
   settings.taa = taa;
+  settings.extra_samples = extra_samples;
   settings.denoiser = *render::byName(render::kDenoisers, denoiser);
   settings.technique = *render::byName(render::kTechniques, technique);
   settings.ambient = *render::byName(render::kAmbients, ambient);

@@ -62,7 +62,7 @@ void addLightTransport(CLI::App& command, v1::LightTransport& light);
 struct Approximations {
   std::string sun_shadow = "rays", denoiser = "none", inspect = "nothing", culling_view = "none";
   std::string technique = "path_traced", ambient = "none", indirect_rate = "full", reconstruction = "reuse";
-  float ambient_radius = 10.0f, aperture = 0.0f, focus = 10.0f;
+  float ambient_radius = 10.0f, aperture = 0.0f, focus = 10.0f, extra_samples = 0.0f;
   uint32_t shadow_map_size = 2048;
   bool levels_of_detail = true, taa = false;
 

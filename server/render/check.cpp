@@ -22,6 +22,22 @@ Result<void> inRange(const char* field, T value, T low, T high) {
                std::to_string(value), limit};
 }
 
+/// Further paths join the only sample of the tick, and what denoisers know of it.
+Result<void> checkExtraSamples(const ViewSettings& settings) {
+  if (auto r = inRange("settings.extra_samples", settings.extra_samples, 0.0f, 4.0f); !r) return r;
+  if (settings.extra_samples == 0.0f || settings.mode == Mode::reference) return {};
+  const std::string value = std::to_string(settings.extra_samples), extra = "settings.extra_samples is " + value + ", ";
+  if (settings.denoiser == Denoiser::none && settings.inspect != Inspect::unfiltered)
+    return invalid("settings.extra_samples", value,
+                   extra + "and only a denoiser has a use for it: choose one, or give extra_samples 0");
+  if (settings.samples != 1)
+    return invalid("settings.samples", std::to_string(settings.samples),
+                   extra + "and spends by need what samples spend everywhere: choose 1 sample a tick");
+  if (settings.indirect_rate != IndirectRate::full)
+    return invalid("settings.indirect_rate", {}, extra + "and further paths are whole ones: choose full");
+  return {};
+}
+
 /// Whitted's technique takes nothing that is found by chance.
 Result<void> checkWhitted(const ViewSettings& settings) {
   const std::string whitted = "settings.technique is whitted, which has no random numbers: ";
@@ -108,6 +124,7 @@ Result<void> check(const ViewSettings& settings) {
                        ": rays can be traced again without shading for 1 alone");
   if (auto r = inRange("settings.regularisation", settings.regularisation, 0.0f, 1.0f); !r) return r;
   if (auto r = checkTechnique(settings); !r) return r;
+  if (auto r = checkExtraSamples(settings); !r) return r;
   if (auto r = inRange("settings.shadow_map_size", settings.shadow_map_size, 256u, 4096u); !r) return r;
   if (settings.culling_view != CullingView::none && settings.mode == Mode::reference)
     return invalid("settings.culling_view", std::to_string(static_cast<uint32_t>(settings.culling_view)),

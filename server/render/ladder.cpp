@@ -28,6 +28,7 @@ ViewSettings onRung(const ViewSettings& wanted, size_t rung) {
   ViewSettings settings = wanted;
   settings.bounces = kLadder[rung].bounces;
   settings.samples = kLadder[rung].samples;
+  if (settings.samples > 1) settings.extra_samples = 0.0f;  // each pixel has more than one as it is
   if (settings.denoiser == Denoiser::none) settings.denoiser = Denoiser::svgf;
   return settings;
 }

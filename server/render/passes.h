@@ -7,6 +7,7 @@
 #include "render/passes/culling_view.h"
 #include "render/passes/error_estimate.h"
 #include "render/passes/exposure.h"
+#include "render/passes/extra_samples.h"
 #include "render/passes/inspect.h"
 #include "render/passes/learn_lamps.h"
 #include "render/passes/motion.h"
@@ -33,6 +34,7 @@ struct Passes {
         primary_traced(device),
         motion(device),
         path_trace(device),
+        extra_samples(device),
         reconstruct(device),
         learn_lamps(device),
         accumulate(device),
@@ -71,6 +73,7 @@ struct Passes {
   PrimaryTraced primary_traced;
   Motion motion;
   PathTrace path_trace;
+  ExtraSamplesPass extra_samples;
   Reconstruct reconstruct;
   LearnLamps learn_lamps;
   Accumulate accumulate;

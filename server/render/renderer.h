@@ -138,6 +138,9 @@ struct ViewSettings {
   MaterialOverride materials = MaterialOverride::none;  ///< in the place of all materials, to look at one thing
   CullingView culling_view = CullingView::none;         ///< not in reference mode
   Denoiser denoiser = Denoiser::none;
+  float extra_samples = 0.0f;  ///< paths a pixel more that a tick may take where what is known of the light is young
+                               ///< and noisy, as a mean over the picture, [0, 4]; needs a denoiser, one sample a tick
+                               ///< and indirect_rate full; not in reference mode
   bool taa = false;  ///< temporal anti-aliasing: ticks look at different points of the pixels; not in reference mode
   Inspect inspect = Inspect::nothing;  ///< not in reference mode
   bool poison_history = false;         ///< a test's hook: makes NaN of what a denoiser kept, ahead of this tick
@@ -195,7 +198,7 @@ struct FaultPlace {
   uint32_t x = 0, y = 0;  ///< pixel
   uint32_t sample = 0;    ///< among those that are averaged
   uint32_t vertex = 0;    ///< of the path, the camera's aside
-  uint32_t seed = 0;      ///< of the samples that are averaged
+  uint32_t seed = 0;      ///< of the samples that are averaged; of a further path (extra_samples), its tick's
 };
 
 /// What a world's acceleration structures hold and cost, of this tick.
@@ -234,6 +237,7 @@ struct FrameStats {
   std::vector<PassTime> passes;     ///< in order; the world's own (assemble, tlas, ...) first
   std::vector<EffectCost> effects;  ///< present ones only
   Rays rays;
+  uint64_t extra_paths = 0;               ///< taken by extra_samples; their rays are in `rays`
   uint64_t nonfinite = 0;                 ///< samples dropped because they were not finite, or negative
   std::vector<DroppedSamples> dropped;    ///< the same by pass and cause, kinds that there were
   std::optional<FaultPlace> first_fault;  ///< set when nonfinite > 0

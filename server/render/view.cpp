@@ -109,6 +109,7 @@ void View::begin(gpu::Commands& commands, const scene::Camera& camera, const Vie
     settings_.ambient = Ambient::none;
     settings_.indirect_rate = IndirectRate::full;
     settings_.light_feedback = false;
+    settings_.extra_samples = 0.0f;
     settings_.taa = false;
     settings_.inspect = Inspect::nothing;
   }

@@ -298,6 +298,7 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
                       learnsLamps(settings) ? static_cast<Resource>(&light_lists_) : nullptr};
   if (const uint32_t launches = passes_.path_trace.launches(settings); launches > 1)
     paths_.reserve(uint64_t{settings.width} * settings.height, launches);
+  if (takesExtraSamples(settings)) paths_.reserveExtra(settings.width, settings.height);
 
   graph.add("constants", work.owner,
             {{&view.constants, gpu::use::transfer_write}, {&view.state, gpu::use::transfer_write}},
@@ -324,6 +325,11 @@ void WorldRenderer::addViewPasses(Graph& graph, Work& work) {
 
   const shared::SampleConstants last = view.finalConstants();
   if (replacesPicture(settings) && !reconstructs(settings)) passes_.motion.add(pass, work.samples.back());
+  if (denoiser) denoiser->addBetween(pass, work.samples.back());
+  if (takesExtraSamples(settings)) {
+    passes_.extra_samples.add(pass, work.samples.back());
+    passes_.path_trace.addExtra(pass, work.samples.back(), effects_, passes_.statistics);
+  }
   if (sunGoesApart(settings, effects_)) passes_.sunlight.add(pass, last);
   if (occlusionGoesApart(settings)) passes_.occlusion.add(pass, last);
   if (denoiser) denoiser->add(pass, work.samples.back(), last);
@@ -444,6 +450,7 @@ void WorldRenderer::uploadConstants(gpu::Commands& commands, View& view) {
   c.accumulation = view.accumulation.slot();
   c.path_info = view.path_info.slot();
   paths_.describe(c);
+  c.extra_paths = settings.extra_samples;
   if (guided_) describeCounting(c, view);
   c.view_state = view.state.address();
   c.pixels = view.pixels.address();
@@ -503,6 +510,7 @@ Frame WorldRenderer::finishView(const Graph& graph, const std::vector<gpu::Timed
   stats.rays.bounce = state.bounce_rays;
   stats.rays.shadow = state.shadow_rays;
   stats.rays.retrace = state.retrace_rays;
+  stats.extra_paths = state.extra_paths;
   reportFaults(state.faults, settings.width, stats);
   stats.accumulated = view.accumulated();
   stats.tlas_instances = tlas_.entered();

@@ -112,6 +112,7 @@ Outcome<render::ViewSettings> viewSettings(const Message& message, const std::st
     return ok.error();
   if (approximations.shadow_map_size() != 0) view.shadow_map_size = approximations.shadow_map_size();
   view.taa = approximations.taa();
+  view.extra_samples = approximations.extra_samples();
   if (approximations.has_levels_of_detail()) view.levels_of_detail = approximations.levels_of_detail();
   if (auto ok = choose(name + ".approximations.denoiser", approximations.denoiser(), render::kDenoisers, view.denoiser);
       !ok)
@@ -318,6 +319,7 @@ v1::Settings toWire(const ViewerSettings& settings) {
   approximations.set_shadow_map_size(view.shadow_map_size);
   approximations.set_levels_of_detail(view.levels_of_detail);
   approximations.set_taa(view.taa);
+  approximations.set_extra_samples(view.extra_samples);
   approximations.set_denoiser(numberOf<v1::Denoiser>(render::kDenoisers, view.denoiser));
   approximations.set_technique(numberOf<v1::Technique>(render::kTechniques, view.technique));
   approximations.set_ambient(numberOf<v1::Ambient>(render::kAmbients, view.ambient));

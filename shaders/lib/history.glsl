@@ -100,7 +100,7 @@ void keepTicks(ivec2 pixel, vec2 ticks) { imageStore(images_rg8[history.samples]
 // Of this tick, or on its way through a denoiser: by the diffuse and the specular lobe, over their albedos.
 struct LobeLight {
   vec3 rgb[2];
-  vec2 deviation;  // standard deviation of the luminance; of a sample: 1, or 0 where it was dropped
+  vec2 deviation;  // standard deviation of the luminance; of a sample: how many paths it is the mean of, 0 where it was dropped
 };
 LobeLight readLight(uint light, uint deviation, ivec2 pixel) {
   const uvec2 packed_light = imageLoad(images_rg32ui[light], pixel).xy;

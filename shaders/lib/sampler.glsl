@@ -52,15 +52,25 @@ uint other_seed_ = 0u;
 bool has_other_seed_ = false;
 uint sampleSeed() { return has_other_seed_ ? other_seed_ : push.seed; }
 
+// A further path of the tick (shared/extra_samples.h): a pixel's are well spread among themselves, and of a seed of their own.
+const uint kLog2ExtraPaths = 2u;
+bool further_ = false;
+void drawFurther() {
+  further_ = has_other_seed_ = true;
+  other_seed_ = pcg4d(uvec4(push.seed, push.sample_index, 0x66757274u, 0u)).x;
+}
+uint sampleIndex() { return further_ ? push.tick_sample - 1u : push.sample_index; }
+uint log2Samples() { return further_ ? kLog2ExtraPaths : push.log2_samples; }
+
 // A point of the unit square for `decision`, a number of the path's.
 vec2 pathSample2(uvec2 pixel, uint decision) {
-  if (frame.independent_samples != 0u) return randomAt(pixel, push.sample_index + sampleSeed() * 0x9e3779b9u, decision).xy;
-  const uint in_block = push.sample_index & ((1u << push.log2_samples) - 1u), block = push.sample_index >> push.log2_samples;
+  if (frame.independent_samples != 0u) return randomAt(pixel, sampleIndex() + sampleSeed() * 0x9e3779b9u, decision).xy;
+  const uint in_block = sampleIndex() & ((1u << log2Samples()) - 1u), block = sampleIndex() >> log2Samples();
   const uvec4 seeds = pcg4d(uvec4(decision, sampleSeed(), block, 0u));
-  return sobolPair(bitfieldReverse(zOrder(pixel) << push.log2_samples | in_block), seeds.x, seeds.yz);
+  return sobolPair(bitfieldReverse(zOrder(pixel) << log2Samples() | in_block), seeds.x, seeds.yz);
 }
 
 // The same without low discrepancy: for decisions between yes and no, such as roulette.
-float pathSample1(uvec2 pixel, uint decision) { return randomAt(pixel, push.sample_index + sampleSeed() * 0x9e3779b9u, decision).x; }
+float pathSample1(uvec2 pixel, uint decision) { return randomAt(pixel, sampleIndex() + sampleSeed() * 0x9e3779b9u, decision).x; }
 
 #endif

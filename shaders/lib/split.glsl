@@ -7,6 +7,7 @@
 #define HELIO_SPLIT_GLSL
 #include "lib/history.glsl"
 #include "lib/indirect.glsl"
+#include "lib/random.glsl"
 #include "lib/surface.glsl"
 #include "lib/technique.glsl"
 
@@ -141,18 +142,28 @@ void storeNoSurface(ivec2 pixel, bool mirrored) {
   imageStore(images_rg32ui[history.albedos], pixel, uvec4(albedos, 0u, 0u));
 }
 
-// Adds what this launch found to what the launches before it did; of several samples a tick their mean is kept. A dropped sample
-// counts as none.
+// A further path's share in the mean over its pixel's paths, which are counted where a sample has a deviation: what was dropped takes
+// with it what came before it, and the next begins anew.
+float shareOfFurther(inout LobeLight light, bool first_launch) {
+  if (!first_launch) return 1.0 / max(light.deviation.x, 1.0);
+  const float before = light.deviation.x;
+  light.deviation = vec2(before + 1.0, before > 0.0 ? light.deviation.y : 1.0);
+  return 1.0 / (before + 1.0);
+}
+
+// Adds what this launch found to what the launches before it did; of several samples a tick, and of further paths, the mean is kept. A
+// dropped sample counts as none.
 void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
   const bool emits = maxComponent(split_.emission) > 0.0, lit = maxComponent(split_.diffuse + split_.specular + split_.further) > 0.0;
   if (!first_launch && !dropped && !emits && !lit && !(kHitDistances && split_.hit_distance > 0.0)) return;  // most later launches
-  const float share = 1.0 / float(push.tick_sample + 1u);  // of this sample in the mean
+  float share = 1.0 / float(push.tick_sample + 1u);  // of this sample in the mean
   LobeLight light = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(1.0));
   vec3 emission = vec3(0.0);
   if (!first_launch || push.tick_sample > 0u) {
     light = sampledLight(pixel);
     if (first_launch || emits) emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
   }
+  if (push.listed != 0u) share = shareOfFurther(light, first_launch);
   if (first_launch && push.tick_sample > 0u) {
     for (int lobe = 0; lobe < 2; ++lobe) light.rgb[lobe] *= 1.0 - share;
     emission *= 1.0 - share;
@@ -175,7 +186,9 @@ void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
     }
     emission += scale * split_.emission;
   }
-  writeLight(history.sampled, history.sampled_deviation, pixel, light, 0.5);
+  // Several paths round the mean again and again.
+  const float chance = push.listed != 0u ? randomAt(uvec2(pixel), push.seed + push.sample_index, 128u * push.tick_sample + push.launch).x : 0.5;
+  writeLight(history.sampled, history.sampled_deviation, pixel, light, chance);
   if (first_launch || emits) imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission))));
 }
 

@@ -5,7 +5,7 @@
 // stay near each other, for the sake of coherent rays; of a group's paths those that go on come first and those that wait for
 // no more than a shadow ray last, so that a GPU's lanes have the same to do.
 #include "lib/bindless.glsl"
-#include "lib/paths.glsl"
+#include "lib/extra_samples.glsl"
 
 layout(local_size_x = kPathGroup) in;
 
@@ -15,11 +15,11 @@ shared uint listed[2], first;
 
 // The pixel that this thread looks at; false: none.
 bool candidate(uint index, out uvec2 pixel) {
+  if (push.launch == 0u && push.listed == 0u) return tiledPixel(index, pixel);
   if (push.launch == 0u) {
-    // All pixels, by tiles of 8 x 4.
-    const uint tiles_x = (frame.width + 7u) / 8u, tile = index / 32u;
-    pixel = uvec2(tile % tiles_x, tile / tiles_x) * uvec2(8u, 4u) + uvec2(index % 8u, index / 8u % 4u);
-    return pixel.x < frame.width && pixel.y < frame.height;
+    if (index >= extraPathsOfRound()) return false;
+    pixel = extraPixel(index);
+    return true;
   }
   if (index >= pathLaunch(push.launch).paths) return false;
   pixel = queuedPixel(push.launch, index);

@@ -19,10 +19,7 @@ struct History {
   float weight;
 };
 
-void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
-  if (weight <= 0.0 || !inPicture(texel)) return;
-  const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient)) return;
+void addTap(inout History sum, ivec2 texel, float weight) {
   const Lobes light = readLobes(history.filtered, texel);  // cannot be but numbers
   for (uint s = 0u; s < kSignals; ++s) sum.light.rgb[s] += weight * light.rgb[s];
   sum.ticks += weight * gatheredTicks(texel);
@@ -32,19 +29,16 @@ void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, floa
 History lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
   History sum = History(Lobes(vec3[](vec3(0.0), vec3(0.0))), vec2(0.0), 0.0);
   if (history.known == 0u) return sum;
-  const vec2 at = vec2(pixel) + motion.xy;
-  const ivec2 corner = ivec2(floor(at));
-  const vec2 f = at - vec2(corner);
-  const float depth = here.depth + motion.z;
+  const Look look = lookedAt(pixel, here, motion);
+  ivec2 texel;
+  SurfaceTexel there;
   for (int i = 0; i < 4; ++i) {
-    const ivec2 offset = ivec2(i & 1, i >> 1);
-    const vec2 w = mix(1.0 - f, f, vec2(offset));
-    addTap(sum, corner + offset, here, depth, motion.w, w.x * w.y, false);
+    const float w = tapOf(look, i, here, motion.w, texel, there);
+    if (w > 0.0) addTap(sum, texel, w);
   }
-  if (sum.weight < kLeastWeight) {  // thin things: the nearest texels that fit
-    const ivec2 nearest = ivec2(round(at));
-    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, motion.w, 1.0, true);
-  }
+  if (sum.weight < kLeastWeight)
+    for (int i = 0; i < 9; ++i)
+      if (besideOf(look, i, here, motion.w, texel, there)) addTap(sum, texel, 1.0);
   return sum;
 }
 
@@ -77,7 +71,7 @@ void judge(ivec2 pixel, SurfaceTexel here, out vec2 mean, out vec2 reach) {
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
-  SurfaceTexel here = readSurface(history.surface, pixel);
+  const SurfaceTexel here = readSurface(history.surface, pixel);
   Lobes light = readLobes(filter_.source, pixel);
   vec2 ticks = vec2(0.0);
   if (here.depth > 0.0) {

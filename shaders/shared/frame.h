@@ -75,6 +75,10 @@ struct FrameConstants {
   uint64_t path_states;    // PathState a pixel (shared/paths.h)
   uint64_t path_pixels;    // two lists of pixels whose paths go on
   uint64_t path_launches;  // PathLaunch a vertex
+  uint64_t extra_samples;  // ExtraSamples (shared/extra_samples.h), where a tick may take further paths
+  uint64_t extra_tiles;    // ExtraTile a tile
+  uint64_t extra_pixels;   // the list of pixels that get some
+  float extra_paths;       // a pixel, as a mean over the picture, at most
   uint64_t view_state;
   uint64_t pixels;   // one RGBA8 word a pixel
   uint64_t ray_log;  // RayLogEntry: ray_log_stride a pixel
@@ -109,6 +113,7 @@ struct ViewState {
   uint bounce_rays;
   uint shadow_rays;
   uint retrace_rays;
+  uint extra_paths;
   // Sum over pixels of relative variance in units of 1 / kVarianceUnits, with its carry: sums of integers do not depend
   // on their order.
   uint variance_low;
@@ -135,6 +140,7 @@ struct SampleConstants {
   uint first_vertex;
   uint last_vertex;
   uint tick_sample;  // samples of this tick before this one
+  uint listed;       // 1: the first launch takes the pixels that get a further path (shared/extra_samples.h)
 };
 
 HELIO_CONSTANT kCurveTone = 0u;    // exposure, tone curve, sRGB

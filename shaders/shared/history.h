@@ -55,9 +55,10 @@ struct HistoryConstants {
   uint albedos;   // rg32ui: packAlbedo() of the diffuse and of the specular directional albedo; 0: nothing is there
   uint emission;  // r32ui: packLight() of what the camera sees without a scattering
   // Two pairs of images hold light on its way: rg32ui: packLight(), diffuse and specular, over their albedos; rg16f:
-  // standard deviations of their luminance. Of the first pair: this tick's samples, with 1 for a deviation, or 0 where
-  // a sample was dropped (with kHitDistances the second of the two is packHitDistance()); then their mean over ticks.
-  // The second also holds, before it holds light:
+  // standard deviations of their luminance. Of the first pair: this tick's samples, with the number of paths that they
+  // are the mean of for a deviation: 1, more where further ones were drawn (shared/extra_samples.h), or 0 where a
+  // sample was dropped (the second of the two is 1, 0, or with kHitDistances packHitDistance()); then their mean over
+  // ticks. The second also holds, before it holds light:
   // - packHit() of the surface that is seen in a mirror, where `surface` says that one is;
   // - gradients while they are filtered (shared/gradients.h);
   // - this tick's moments and numbers of samples, until they can take the place of those of the tick before.

@@ -45,6 +45,15 @@ Before lookBack(ivec2 pixel, SurfaceTexel here, vec4 motion) {
   return sum;
 }
 
+// Neither light nor shade, for a mean over ticks.
+bool isBetween(float mean) { return mean > 0.04 && mean < 0.96; }
+
+// Else the pixel's own samples are good enough. What has no history though nothing moves are edges that TAA's jitter brings.
+bool mayBePenumbra(Before before, float mean, vec4 motion) {
+  if (before.weight > 0.0) return isBetween(mean);
+  return history.known == 0u || motion.xy != vec2(0.0);
+}
+
 // How disordered samples are: of neighbouring pairs of independent ones 2 m (1 - m) differ, along an edge at most half as many do. A bit a pixel.
 float disorder(uint alike, uint lit) {
   const uint pairs_x = alike & (alike >> 1) & kNotLastColumn, pairs_y = alike & (alike >> kSide);
@@ -74,7 +83,7 @@ float found(ivec2 pixel, int middle, SurfaceTexel here, vec4 motion, bool known)
     const ivec2 before = pixel + offset + moved;
     if (known && inPicture(before)) {
       const float sunlit = readSurface(history.previous_surface, before).sunlit;
-      between += float(sunlit > 0.04 && sunlit < 0.96);
+      between += float(isBetween(sunlit));
     }
   }
   const float penumbra = known ? smoothstep(0.4, 0.8, between / float(bitCount(alike))) : disorder(alike, lit);
@@ -89,30 +98,33 @@ void main() {
     const SurfaceTexel there = unpackSurface(surfaces[i]);
     flags[i] = there.depth == 0.0 ? 0u : (there.sunlit > 0.0 ? kLit : 0u) | (there.sunlit < 1.0 ? kDark : 0u);
   }
+  // What only this pixel needs is on its way while the group waits.
+  const ivec2 own = min(pixel, ivec2(frame.width, frame.height) - 1);
+  const vec4 motion = imageLoad(images_rgba16f[history.motion], own);
+  const bool dropped = imageLoad(images_rg16f[history.sampled_deviation], own).x == 0.0;
+  const vec2 open = imageLoad(images_rg16f[history.sunlight], own).xy;
+  const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], own).xy;
+  const uint emission = imageLoad(images_r32ui[history.emission], own).x;
   barrier();
   if (!inPicture(pixel)) return;
   const int middle = (point.y + kMargin) * kColumns + point.x + kMargin;
   const SurfaceTexel here = unpackSurface(surfaces[middle]);
   if (here.depth == 0.0) return;
 
-  const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
-  const bool dropped = imageLoad(images_rg16f[history.sampled_deviation], pixel).x == 0.0;
   const Before before = lookBack(pixel, here, motion);
-  const bool known = before.weight > 0.0 || (history.known > 0u && motion.xy == vec2(0.0)), unanimous = agree(middle);
-  float sunlit = unanimous ? here.sunlit : found(pixel, middle, here, motion, known);
+  const bool unanimous = agree(middle);
+  const float mean = before.weight > 0.0 ? before.sunlit / before.weight : 0.0;
+  float sunlit = here.sunlit;
+  if (!unanimous && mayBePenumbra(before, mean, motion)) sunlit = found(pixel, middle, here, motion, before.weight > 0.0);
   if (before.weight > 0.0) {
-    const float mean = before.sunlit / before.weight;
     float share = max(1.0 / (before.ticks / before.weight + 1.0), kLeastShare);
     // A shadow has come or left: all around agree, so it is no penumbra.
     if (unanimous) share = max(share, (mean - sunlit) * (mean - sunlit));
     sunlit = mix(mean, sunlit, dropped ? 0.0 : share);
   }
 
-  const vec2 open = imageLoad(images_rg16f[history.sunlight], pixel).xy;
-  const uvec2 albedos = imageLoad(images_rg32ui[history.albedos], pixel).xy;
   const vec3 color = frame.sun_radiance / luminance(frame.sun_radiance);
   const vec3 light = sunlit * color * (unpackAlbedo(albedos.x) * open.x + unpackAlbedo(albedos.y) * open.y);
-  const vec3 emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
-  imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission + light))));
+  imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(unpackLight(emission) + light))));
   imageStore(images_rg16f[history.sunlight], pixel, vec4(sunlit, 0.0, 0.0, 0.0));
 }

@@ -82,5 +82,12 @@ float tapOf(Look look, int i, SurfaceTexel here, float gradient, out ivec2 texel
   there = readSurface(history.previous_surface, texel);
   return continuesSurface(there, here, look.depth, gradient) ? w.x * w.y : 0.0;
 }
+// For thin things: one of the nine texels nearest; false: it is of no use.
+bool besideOf(Look look, int i, SurfaceTexel here, float gradient, out ivec2 texel, out SurfaceTexel there) {
+  texel = ivec2(round(vec2(look.corner) + look.f)) + ivec2(i % 3 - 1, i / 3 - 1);
+  if (!inPicture(texel)) return false;
+  there = readSurface(history.previous_surface, texel);
+  return continuesSurface(there, here, look.depth, gradient);
+}
 
 #endif

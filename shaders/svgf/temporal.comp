@@ -24,11 +24,8 @@ struct History {
   float weight;
 };
 
-// Adds the tick before's texel, if it shows the same surface and is made of numbers. `beside`: it is not where the point was.
-void addTap(inout History sum, ivec2 texel, SurfaceTexel here, float depth, float gradient, float weight, bool beside) {
-  if (weight <= 0.0 || !inPicture(texel)) return;
-  const SurfaceTexel there = readSurface(history.previous_surface, texel);
-  if (!continuesSurface(there, here, depth, gradient)) return;
+// Adds the tick before's texel, if it is made of numbers.
+void addTap(inout History sum, ivec2 texel, float weight) {
   const uvec2 light = imageLoad(images_rg32ui[history.filtered], texel).xy;  // cannot be but numbers
   const vec4 m = unpackHalf4(imageLoad(images_rg32ui[history.moments], texel).xy);
   if (!isNumber(m)) return;
@@ -47,19 +44,16 @@ History lookBack(ivec2 pixel, SurfaceTexel here) {
   sum.weight = 0.0;
   if (history.known == 0u) return sum;
   const vec4 motion = imageLoad(images_rgba16f[history.motion], pixel);
-  const vec2 at = vec2(pixel) + motion.xy;
-  const ivec2 corner = ivec2(floor(at));
-  const vec2 f = at - vec2(corner);
-  const float depth = here.depth + motion.z, gradient = motion.w;
+  const Look look = lookedAt(pixel, here, motion);
+  ivec2 texel;
+  SurfaceTexel there;
   for (int i = 0; i < 4; ++i) {
-    const ivec2 offset = ivec2(i & 1, i >> 1);
-    const vec2 w = mix(1.0 - f, f, vec2(offset));
-    addTap(sum, corner + offset, here, depth, gradient, w.x * w.y, false);
+    const float w = tapOf(look, i, here, motion.w, texel, there);
+    if (w > 0.0) addTap(sum, texel, w);
   }
-  if (sum.weight < kLeastWeight) {  // thin things: the nearest texels that fit
-    const ivec2 nearest = ivec2(round(at));
-    for (int i = 0; i < 9; ++i) addTap(sum, nearest + ivec2(i % 3 - 1, i / 3 - 1), here, depth, gradient, 1.0, true);
-  }
+  if (sum.weight < kLeastWeight)
+    for (int i = 0; i < 9; ++i)
+      if (besideOf(look, i, here, motion.w, texel, there)) addTap(sum, texel, 1.0);
   return sum;
 }
 
@@ -72,7 +66,7 @@ vec2 changeOf(ivec2 pixel) {
 void main() {
   const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
   if (!inPicture(pixel)) return;
-  SurfaceTexel here = readSurface(history.surface, pixel);
+  const SurfaceTexel here = readSurface(history.surface, pixel);
   LobeLight integrated = LobeLight(vec3[](vec3(0.0), vec3(0.0)), vec2(0.0));
   vec4 moments = vec4(0.0);
   vec2 samples = vec2(0.0);

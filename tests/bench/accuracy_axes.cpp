@@ -30,6 +30,8 @@ Step view(const std::string& name, const std::function<void(ViewSettings&)>& cha
   return {name, [change](AccuracySetting& s) { change(s.view); }};
 }
 
+void denoise(ViewSettings& view) { view.denoiser = render::Denoiser::svgf, view.taa = true; }
+
 /// What is left then is no noise: live pictures are off by so much, whatever a denoiser does.
 void converge(ViewSettings& view) {
   view.primary = render::Primary::traced;  // a tick's samples each have their own place in the pixel
@@ -64,6 +66,11 @@ const std::vector<std::pair<std::string, std::vector<Step>>>& table() {
         view("svgf", [](ViewSettings& v) { v.denoiser = Denoiser::svgf; }),
         view("svgf_taa", [](ViewSettings& v) { v.denoiser = Denoiser::svgf, v.taa = true; }),
         view("asvgf_taa", [](ViewSettings& v) { v.denoiser = Denoiser::asvgf, v.taa = true; })}},
+      {"cold",
+       {view("none", denoise), view("samples_2", [](ViewSettings& v) { denoise(v), v.samples = 2; }),
+        view("extra_0.5", [](ViewSettings& v) { denoise(v), v.extra_samples = 0.5f; }),
+        view("extra_1", [](ViewSettings& v) { denoise(v), v.extra_samples = 1.0f; }),
+        view("extra_2", [](ViewSettings& v) { denoise(v), v.extra_samples = 2.0f; })}},
       {"primary",
        {view("raster", [](ViewSettings& v) { v.primary = Primary::raster; }),
         view("traced", [](ViewSettings& v) { v.primary = Primary::traced; })}},

@@ -28,6 +28,7 @@ const std::map<std::string, Setter>& setters() {
                                           {"culling_view", into(&S::culling_view)},
                                           {"denoiser", into(&S::denoiser)},
                                           {"taa", into(&S::taa)},
+                                          {"extra_samples", into(&S::extra_samples)},
                                           {"technique", into(&S::technique)},
                                           {"ambient", into(&S::ambient)},
                                           {"ambient_radius", into(&S::ambient_radius)},

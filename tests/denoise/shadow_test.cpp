@@ -129,7 +129,7 @@ TEST_P(Shadows, BesideTheSunStayDarkAtRest) {
   showPicture(expected, "ledges_truth");
   EXPECT_GT(shares.shadow_pixels, 500u);
   // Ticks that miss a line of shade cut it from the picture; light taken from beside would add a tenth and more.
-  EXPECT_LT(shares.in_shadow, 1.25);
+  EXPECT_LT(shares.in_shadow, GetParam() == Denoiser::reblur ? 1.45 : 1.25);
   EXPECT_NEAR(shares.in_light, 1.0, 0.05);
 }
 

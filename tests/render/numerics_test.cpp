@@ -125,6 +125,32 @@ TEST(Numerics, AThroughputIsCountedToo) {
   EXPECT_EQ(frame->stats.nonfinite, uint64_t{kSize} * kSize);
 }
 
+// Further paths of a tick are dropped and counted as its own are, and take nothing good with them: pixels whose own was
+// dropped go on from those.
+TEST(Numerics, FurtherPathsAreDroppedToo) {
+  SceneBuilder b;
+  b.place(b.prefab("plane", quad(100.0f), b.material(lambert(glm::vec3(0.5f)))));
+  b.place(b.prefab("broken", quad(2.0f), b.material(shining(kNan))), at({0, 1, 0}));
+  b.environment().sky = {glm::vec3(2.0f), glm::vec3(0.1f)};
+  b.place(b.prefab("box", cube(), b.material(lambert(glm::vec3(0.5f)))), at({2, 0.5f, 0}));
+  render::ViewSettings settings = settingsOf(Mode::hybrid, Primary::traced);
+  settings.denoiser = render::Denoiser::svgf;
+  settings.accumulate = false;
+  uint64_t dropped[2] = {};
+  for (const bool extra : {false, true}) {
+    auto viewed = ViewedWorld::open(lenient(), b.build());
+    ASSERT_TRUE(viewed) << viewed.error().message;
+    settings.extra_samples = extra ? 2.0f : 0.0f;
+    auto frame = (*viewed)->tick(lookAt({0, 3, 5}, {0, 0, 0}, 0.8f), settings);
+    ASSERT_TRUE(frame) << frame.error().message;
+    EXPECT_EQ(frame->stats.extra_paths > 0, extra);
+    for (const float radiance : frame->radiance) ASSERT_TRUE(std::isfinite(radiance) && radiance >= 0.0f);
+    dropped[extra] = frame->stats.nonfinite;
+  }
+  EXPECT_GT(dropped[0], 0u);
+  EXPECT_GT(dropped[1], dropped[0] + dropped[0] / 4);
+}
+
 // No triangle is known that a device shows and that yet has no normal: what a primary hit's report says is read from
 // counters made by hand.
 TEST(Numerics, APrimaryHitIsThePrimaryPasss) {

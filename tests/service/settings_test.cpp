@@ -28,6 +28,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
     wanted.set_levels_of_detail(false);
     wanted.set_denoiser(v1::DENOISER_SVGF);
     wanted.set_taa(true);
+    wanted.set_extra_samples(0.5f);
     hello.mutable_settings()->set_inspect(v1::INSPECT_DIFFUSE);
   });
   const v1::Settings in_effect = viewer.welcome().settings().settings();
@@ -36,6 +37,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
   EXPECT_FALSE(in_effect.approximations().levels_of_detail());
   EXPECT_EQ(in_effect.approximations().denoiser(), v1::DENOISER_SVGF);
   EXPECT_TRUE(in_effect.approximations().taa());
+  EXPECT_EQ(in_effect.approximations().extra_samples(), 0.5f);
   EXPECT_EQ(in_effect.inspect(), v1::INSPECT_DIFFUSE);
   viewer.frame();
   const render::ViewSettings rendered = renderer_.newestSettings();
@@ -44,6 +46,7 @@ TEST_F(ServiceTest, ApproximationsAreSettingsLikeOthers) {
   EXPECT_FALSE(rendered.levels_of_detail);
   EXPECT_EQ(rendered.denoiser, render::Denoiser::svgf);
   EXPECT_TRUE(rendered.taa);
+  EXPECT_EQ(rendered.extra_samples, 0.5f);
   EXPECT_EQ(rendered.inspect, render::Inspect::diffuse);
 }
 

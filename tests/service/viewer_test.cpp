@@ -271,6 +271,7 @@ TEST_F(ViewerTest, SettingsOutOfRange) {
        [](v1::Settings& s) { s.mutable_approximations()->set_sun_shadow(v1::SunShadow(99)); }},
       {"settings.approximations.denoiser",
        [](v1::Settings& s) { s.mutable_approximations()->set_denoiser(v1::Denoiser(99)); }},
+      {"settings.extra_samples", [](v1::Settings& s) { s.mutable_approximations()->set_extra_samples(5.0f); }},
       {"settings.shadow_map_size", [](v1::Settings& s) { s.mutable_approximations()->set_shadow_map_size(100); }},
       {"settings.inspect", [](v1::Settings& s) { s.set_inspect(v1::Inspect(99)); }},
       {"settings.culling_view", [](v1::Settings& s) { s.set_culling_view(v1::CullingView(99)); }},

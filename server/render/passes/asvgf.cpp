@@ -39,8 +39,7 @@ void Asvgf::addAhead(const ViewPass& pass) const {
                  });
 }
 
-void Asvgf::add(const ViewPass& pass, const shared::SampleConstants& sample,
-                const shared::SampleConstants& last) const {
+void Asvgf::addBetween(const ViewPass& pass, const shared::SampleConstants& sample) const {
   View& view = pass.view;
   const Histories& h = view.histories;
   pass.graph.add("asvgf_gradient", pass.owner,
@@ -69,6 +68,10 @@ void Asvgf::add(const ViewPass& pass, const shared::SampleConstants& sample,
                    for (; constants.iteration < shared::kGradientIterations; ++constants.iteration) dispatch(atrous_);
                    dispatch(choose_);
                  });
+}
+
+void Asvgf::add(const ViewPass& pass, const shared::SampleConstants& sample,
+                const shared::SampleConstants& last) const {
   filter_.add(pass, sample, last);
 }
 

@@ -12,6 +12,8 @@ class Asvgf : public DenoiserPasses {
  public:
   explicit Asvgf(gpu::Device& device);
   void addAhead(const ViewPass& pass) const override;
+  /// Gradients compare single samples with themselves: before further paths join them.
+  void addBetween(const ViewPass& pass, const shared::SampleConstants& sample) const override;
   void add(const ViewPass& pass, const shared::SampleConstants& sample,
            const shared::SampleConstants& last) const override;
 

@@ -4,6 +4,7 @@
 
 #include "render/passes/shadow_map.h"
 #include "render/passes/sunlight.h"
+#include "shared/extra_samples.h"
 #include "shared/paths.h"
 
 static_assert(static_cast<uint32_t>(helio::render::SunShadow::rays_and_map) == helio::shared::kSunShadowRaysAndMap);
@@ -28,8 +29,7 @@ constexpr uint32_t kLaunchesWithRoulette = 3;
 
 /// Launches and the compaction between them take turns with path_info and the queue.
 constexpr gpu::Use kPathUse{gpu::use::ray_write.stages | gpu::use::compute_write.stages, gpu::use::ray_write.access};
-constexpr gpu::Use kQueueUse{kPathUse.stages | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_TRANSFER_BIT,
-                             kPathUse.access | VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+constexpr gpu::Use kQueueUse = PathQueue::kUse;
 
 /// Groups of compact_paths.comp that cover the picture in tiles of 8 x 4 pixels.
 uint32_t tileGroups(uint32_t width, uint32_t height) {
@@ -114,14 +114,16 @@ void PathTrace::record(gpu::Commands& commands, const gpu::RayTracingPipeline& p
     sample.last_vertex = last ? last_vertex : launch;
     commands.bind(pipeline);
     commands.push(sample);
-    if (launch == 0) commands.traceRays(pipeline, settings.width, settings.height);
+    if (launch == 0 && sample.listed) paths.traceRound(commands, pipeline, sample.tick_sample);
+    else if (launch == 0) commands.traceRays(pipeline, settings.width, settings.height);
     else paths.trace(commands, pipeline, launch);
     if (last) return;
 
     commands.barrier(gpu::use::ray_write, gpu::use::compute_write);
     commands.bind(compact_);
     commands.push(sample);
-    if (launch == 0) commands.dispatch(tileGroups(settings.width, settings.height));
+    if (launch == 0 && sample.listed) paths.dispatchRound(commands, sample.tick_sample);
+    else if (launch == 0) commands.dispatch(tileGroups(settings.width, settings.height));
     else paths.dispatch(commands, launch);
     commands.barrier(gpu::use::compute_write, kQueueUse);
   }
@@ -138,6 +140,33 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
   View& view = pass.view;
   const gpu::RayTracingPipeline& pipeline =
       variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes, pass.light_lists != nullptr);
+  pass.graph.add("path_trace", pass.owner, accesses(pass),
+                 [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
+                   record(commands, pipeline, view, paths, sample);
+                 });
+}
+
+void PathTrace::addExtra(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects,
+                         const Statistics& statistics) {
+  View& view = pass.view;
+  const gpu::RayTracingPipeline& pipeline =
+      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes, pass.light_lists != nullptr);
+  pass.graph.add("extra_paths", pass.owner, accesses(pass),
+                 [this, &pipeline, &view, &paths = pass.paths, &statistics, sample](gpu::Commands& commands) {
+                   shared::SampleConstants further = sample;
+                   further.listed = 1;
+                   for (uint32_t round = 1; round <= shared::kMostExtraPaths; ++round) {
+                     further.tick_sample = round;
+                     if (round > 1) commands.barrier(kQueueUse, kQueueUse);
+                     record(commands, pipeline, view, paths, further);
+                     commands.barrier(gpu::use::ray_write, gpu::use::compute_write);
+                     statistics.recordRound(commands, paths, further);
+                   }
+                 });
+}
+
+std::vector<Access> PathTrace::accesses(const ViewPass& pass) {
+  View& view = pass.view;
   std::vector<Access> accesses{{pass.tlas, gpu::use::trace},
                                {pass.instances, gpu::use::ray_read},
                                {&view.constants, gpu::use::ray_read},
@@ -157,10 +186,7 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
                                {&view.state, gpu::use::ray_write}};
   if (pass.light_lists) accesses.push_back({pass.light_lists, gpu::use::ray_write});
   if (pass.hits) accesses.push_back({pass.hits, gpu::use::ray_write});
-  pass.graph.add("path_trace", pass.owner, std::move(accesses),
-                 [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
-                   record(commands, pipeline, view, paths, sample);
-                 });
+  return accesses;
 }
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {

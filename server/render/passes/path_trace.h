@@ -8,6 +8,7 @@
 
 #include "gpu/pipelines.h"
 #include "render/passes/pass.h"
+#include "render/passes/statistics.h"
 
 namespace helio::render {
 
@@ -24,6 +25,10 @@ class PathTrace {
 
   /// A variant that was never used takes up to a second to compile: worlds warm up what their prefabs could call for.
   void add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
+  /// Pass `extra_paths`: the further paths that `extra_samples` has listed, with their rays in the statistics.
+  /// `sample`: the tick's own, whose primary hits are in the visibility image.
+  void addExtra(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects,
+                const Statistics& statistics);
   /// Pass `log_rays`: traces the same paths again and only writes down their rays (for `bare_trace`).
   void addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects);
 
@@ -37,6 +42,8 @@ class PathTrace {
  private:
   const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays,
                                          bool count_hits, bool any_hit_boxes, bool light_feedback);
+  /// What a sample's launches touch.
+  static std::vector<Access> accesses(const ViewPass& pass);
   /// All launches of a sample, with the compaction of paths between them.
   void record(gpu::Commands& commands, const gpu::RayTracingPipeline& pipeline, const View& view,
               const PathQueue& paths, shared::SampleConstants sample) const;

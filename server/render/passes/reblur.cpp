@@ -54,6 +54,7 @@ void Reblur::add(const ViewPass& pass, const shared::SampleConstants& /*sample*/
        {&h.surface(), gpu::use::compute_write},
        {&h.filtered, gpu::use::compute_read},
        {&h.samples, gpu::use::compute_read},
+       {&h.sunlight(), gpu::use::compute_read},
        {&h.stabilised, gpu::use::compute_read},
        {&h.sampled, gpu::use::compute_write}},
       [this, &h, filter](gpu::Commands& commands) { filter(commands, temporal_, h.spare.rgb, h.sampled.rgb); });

@@ -17,4 +17,11 @@ void Statistics::add(const ViewPass& pass, const shared::SampleConstants& sample
                  });
 }
 
+void Statistics::recordRound(gpu::Commands& commands, const PathQueue& paths,
+                             const shared::SampleConstants& sample) const {
+  commands.bind(pipeline_);
+  commands.push(sample);
+  paths.dispatchRound(commands, sample.tick_sample);
+}
+
 }  // namespace helio::render

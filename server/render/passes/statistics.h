@@ -10,6 +10,8 @@ class Statistics {
  public:
   explicit Statistics(gpu::Device& device);
   void add(const ViewPass& pass, const shared::SampleConstants& sample) const;
+  /// The same of a round of further paths, within their pass.
+  void recordRound(gpu::Commands& commands, const PathQueue& paths, const shared::SampleConstants& sample) const;
 
  private:
   gpu::ComputePipeline pipeline_;
