@@ -38,6 +38,8 @@ layout(constant_id = 51) const uint kAmbient = kAmbientNone;
 layout(constant_id = 52) const bool kLens = true;
 // Shadow rays tell the light grid which lamps are seen (shared/light_lists.h).
 layout(constant_id = 53) const bool kLightFeedback = false;
+// Further paths of the tick, of pixels that are listed (shared/extra_samples.h).
+layout(constant_id = 57) const bool kFurther = false;
 layout(constant_id = 54) const uint kIndirectRate = kIndirectFull;
 // Denoisers are told how far the next surface is.
 layout(constant_id = 55) const bool kHitDistances = false;

@@ -163,7 +163,7 @@ void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
     light = sampledLight(pixel);
     if (first_launch || emits) emission = unpackLight(imageLoad(images_r32ui[history.emission], pixel).x);
   }
-  if (push.listed != 0u) share = shareOfFurther(light, first_launch);
+  if (kFurther) share = shareOfFurther(light, first_launch);
   if (first_launch && push.tick_sample > 0u) {
     for (int lobe = 0; lobe < 2; ++lobe) light.rgb[lobe] *= 1.0 - share;
     emission *= 1.0 - share;
@@ -187,7 +187,7 @@ void storeSplit(ivec2 pixel, bool first_launch, bool dropped) {
     emission += scale * split_.emission;
   }
   // Several paths round the mean again and again.
-  const float chance = push.listed != 0u ? randomAt(uvec2(pixel), push.seed + push.sample_index, 128u * push.tick_sample + push.launch).x : 0.5;
+  const float chance = kFurther ? randomAt(uvec2(pixel), push.seed + push.sample_index, 128u * push.tick_sample + push.launch).x : 0.5;
   writeLight(history.sampled, history.sampled_deviation, pixel, light, chance);
   if (first_launch || emits) imageStore(images_r32ui[history.emission], pixel, uvec4(packLight(stored(emission))));
 }

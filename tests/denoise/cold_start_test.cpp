@@ -221,7 +221,7 @@ TEST(ColdStart, OnlyWhatIsNewIsYoungWhereAViewMoves) {
       if (tick == 0) first = frame.stats.extra_paths;
       if (tick == 11) last = frame.stats.extra_paths;
       // At rest edges come and go with the jitter, which is no news.
-      if (tick > 11) EXPECT_EQ(frame.stats.extra_paths, 0u) << tick;
+      if (tick > 11) { EXPECT_EQ(frame.stats.extra_paths, 0u) << tick; }
     }
     std::printf("further paths a pixel: %.3f, in motion %.3f\n", static_cast<double>(first) / kPixels,
                 static_cast<double>(last) / kPixels);

@@ -20,7 +20,7 @@ constexpr size_t kLogRaysConstant = 32, kMaterialsConstant = 40, kSkySamplingCon
                  kCountHitsConstant = 45, kSplitConstant = 46, kReshadesConstant = 48, kAnyHitBoxesConstant = 49,
                  kTechniqueConstant = 50, kAmbientConstant = 51, kLensConstant = 52, kLightFeedbackConstant = 53,
                  kIndirectRateConstant = 54, kHitDistancesConstant = 55, kSunApartConstant = 58,
-                 kAmbientApartConstant = 59, kConstants = 60;
+                 kAmbientApartConstant = 59, kFurtherConstant = 57, kConstants = 60;
 
 /// Below so many pixels a GPU is not filled anyway, and a launch less is worth more than dense launches.
 constexpr uint64_t kSmallPicture = 300'000;
@@ -64,9 +64,9 @@ std::string anyHit(effects::EffectSet effects) {
   return effects.has(effects::Effect::alpha_masks) ? "path_trace/cut_out.rahit" : "";
 }
 
-const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings,
-                                                  bool log_rays, bool count_hits, bool any_hit_boxes,
-                                                  bool light_feedback) {
+const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, const ViewSettings& settings, Paths paths,
+                                                  bool count_hits, bool any_hit_boxes, bool light_feedback) {
+  const bool log_rays = paths == Paths::logged;
   // What is shown takes emission's way.
   if (showsProperty(settings.materials)) effects.add(effects::Effect::emissive_triangles);
   gpu::Specialisation constants = effects::specialisation(effects);
@@ -89,7 +89,8 @@ const gpu::RayTracingPipeline& PathTrace::variant(effects::EffectSet effects, co
   constants[kSunApartConstant] = sunGoesApart(settings, effects) && !log_rays;
   constants[kAmbientApartConstant] =
       settings.denoiser != Denoiser::none && settings.ambient != Ambient::none && !log_rays;
-  constants[kReshadesConstant] = settings.denoiser == Denoiser::asvgf && !log_rays;
+  constants[kReshadesConstant] = settings.denoiser == Denoiser::asvgf && paths == Paths::first;
+  constants[kFurtherConstant] = paths == Paths::further;
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = variants_.find(constants); found != variants_.end()) return found->second;
@@ -138,8 +139,8 @@ uint32_t PathTrace::launches(const ViewSettings& settings) const {
 
 void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline =
-      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes, pass.light_lists != nullptr);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), Paths::first, pass.hits != nullptr,
+                                                    pass.any_hit_boxes, pass.light_lists != nullptr);
   pass.graph.add("path_trace", pass.owner, accesses(pass),
                  [this, &pipeline, &view, &paths = pass.paths, sample](gpu::Commands& commands) {
                    record(commands, pipeline, view, paths, sample);
@@ -149,8 +150,8 @@ void PathTrace::add(const ViewPass& pass, const shared::SampleConstants& sample,
 void PathTrace::addExtra(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects,
                          const Statistics& statistics) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline =
-      variant(effects, view.settings(), false, pass.hits != nullptr, pass.any_hit_boxes, pass.light_lists != nullptr);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), Paths::further, false, false,
+                                                    pass.light_lists != nullptr);  // they do not count
   pass.graph.add("extra_paths", pass.owner, accesses(pass),
                  [this, &pipeline, &view, &paths = pass.paths, &statistics, sample](gpu::Commands& commands) {
                    shared::SampleConstants further = sample;
@@ -191,7 +192,7 @@ std::vector<Access> PathTrace::accesses(const ViewPass& pass) {
 
 void PathTrace::addLog(const ViewPass& pass, const shared::SampleConstants& sample, effects::EffectSet effects) {
   View& view = pass.view;
-  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), true, false, false, false);
+  const gpu::RayTracingPipeline& pipeline = variant(effects, view.settings(), Paths::logged, false, false, false);
   pass.graph.add("log_rays", pass.owner,
                  {{pass.tlas, gpu::use::trace},
                   {pass.instances, gpu::use::ray_read},

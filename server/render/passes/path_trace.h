@@ -40,7 +40,9 @@ class PathTrace {
   static uint32_t rayLogStride(uint32_t bounces) { return (bounces + 1) * 3 + 1; }
 
  private:
-  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, bool log_rays,
+  /// One of every pixel, further ones of pixels that are listed, and those again whose rays are written down.
+  enum class Paths { first, further, logged };
+  const gpu::RayTracingPipeline& variant(effects::EffectSet effects, const ViewSettings& settings, Paths paths,
                                          bool count_hits, bool any_hit_boxes, bool light_feedback);
   /// What a sample's launches touch.
   static std::vector<Access> accesses(const ViewPass& pass);
