@@ -173,7 +173,12 @@ void ServiceTest::makeWorld(const std::string& name) {
   request.set_world(name);
   request.mutable_gltf()->set_path("triangle.gltf");
   v1::World world;
-  const auto created = call(&Stub::CreateWorld, request, world);
+  auto created = call(&Stub::CreateWorld, request, world);
+  // One of that name may still be on its way out: the server says so, and to try again.
+  for (int tries = 0; created.status.error_code() == grpc::StatusCode::UNAVAILABLE && tries < 500; ++tries) {
+    std::this_thread::sleep_for(10ms);
+    created = call(&Stub::CreateWorld, request, world);
+  }
   ASSERT_TRUE(created.status.ok()) << created.status.error_message();
   const auto ready = waitUntilReady(name);
   ASSERT_EQ(ready.state(), v1::WORLD_STATE_READY) << ready.error();
