@@ -48,7 +48,7 @@ struct Likeness {
 };
 bool counts(Likeness l) { return l.normals >= kLeastAlike && l.apart <= kMostApart; }
 
-// `surface`, `depth`: of one tap, unpacked; `there`: the other. `gradient`: of depth, metres a tap; `taps` apart;
+// `surface`, `depth`: of one tap, unpacked; `there`: the other. `gradient`: of depth, metres a tap; `taps` apart.
 Likeness likeness(vec4 surface, float depth, int there, float gradient, float taps) {
   const vec4 other = unpackHalf4(surfaces[there]);
   const float other_depth = depths[there];
